@@ -1,0 +1,268 @@
+"""The command line: parses, calls the rooms' front doors, prints, and turns errors into exit codes."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from cosim.errors import CosimError, RunError, SetupError
+from cosim.model import Value
+from cosim.results import Result, clear
+from cosim.scenarios import SCENARIOS, STEP_SIZE, control, driver_mass, observer, seat_suspension
+from cosim.system import System
+
+FLAVOURS = ("python",)
+
+_console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+_stderr = Console(stderr=True, highlight=False)
+
+_fmus_option = click.option(
+    "--fmus",
+    "fmus_folder",
+    type=click.Path(path_type=Path),
+    default=Path("fmus"),
+    show_default=True,
+    help="Folder of the built FMUs; each flavour has its subfolder.",
+)
+_flavour_option = click.option(
+    "--flavour", type=click.Choice(FLAVOURS), default=FLAVOURS[0], show_default=True, help="Which FMUs to use."
+)
+_mass_option = click.option(
+    "--driver-mass", type=float, metavar="KG", help="The driver's mass, for seat and controller alike [default: 55]."
+)
+
+
+@contextmanager
+def _progress(what: str) -> Iterator[Callable[[str], None]]:
+    """Show that something goes on, on a terminal; yields a function that changes the words."""
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=_stderr, transient=True, disable=not _stderr.is_terminal) as progress:
+        task = progress.add_task(what, total=None)
+        yield lambda text: progress.update(task, description=f"{what}: {text}")
+
+
+def _folder(folder: Path) -> Path:
+    """Make a folder for results, or say why not."""
+    try:
+        clear(folder)
+    except OSError as error:
+        raise SetupError(f"{folder}: expected a folder to write to, got: {error.strerror}") from error
+    return folder
+
+
+def _observer(number: int) -> dict[str, Value]:
+    from seat_controller_fmu.parameters import OBSERVERS
+
+    return observer(OBSERVERS[number].value)
+
+
+def _finish(result: Result, folder: Path, stop_time: float) -> None:
+    """Save a result; an incomplete one says how far it came and ends the command."""
+    path = result.save(folder)
+    for text in result.warnings:
+        _stderr.print(f"warning: {text}", markup=False, soft_wrap=True)
+    if result.error is not None:
+        reached = f"{len(result.time)} rows up to t = {result.time[-1]:g} s" if len(result.time) else "no rows"
+        raise RunError(f"{result.error} ({reached} of {stop_time:g} s in {path})") from result.error
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(package_name="seat-cosim")
+@click.option("--debug", is_flag=True, help="Show the traceback of an error; goes anywhere on the line.")
+def app(debug: bool) -> None:
+    """Active seat suspension as FMI co-simulation components.
+
+    \b
+    Examples:
+      seat-cosim build
+      seat-cosim run bump --driver-mass 70 --observer 1
+      seat-cosim reproduce bump
+    """
+
+
+@app.command()
+@click.option("--output", type=click.Path(path_type=Path), default=Path("fmus"), show_default=True, help="Where to.")
+def build(output: Path) -> None:
+    """Build the FMUs; those whose content has not changed are left alone.
+
+    \b
+    Example:
+      seat-cosim build
+    """
+    from fmus.build import BuildError
+    from fmus.build import build as build_all
+
+    table = Table("FMU", "size", "state", box=None)
+    try:
+        with _progress("building FMUs") as report:
+            for built in build_all(output):
+                report(built.path.name)
+                state = "built" if built.fresh else "up to date"
+                table.add_row(str(built.path), f"{built.path.stat().st_size / 1024:.0f} kB", state)
+    except (BuildError, OSError) as error:
+        raise RunError(str(error)) from error
+    _console.print(table)
+
+
+@app.command()
+@click.argument("scenario", type=click.Choice(list(SCENARIOS)))
+@_mass_option
+@click.option("--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1].")
+@click.option("--control", "switch", type=click.Choice(["on", "off"]), help="Controller on or off [default: on].")
+@click.option("--set", "settings", multiple=True, metavar="COMPONENT.VARIABLE=VALUE", help="Any parameter; wins.")
+@click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
+@click.option("--step-size", type=float, metavar="S", default=STEP_SIZE, show_default=True)
+@_flavour_option
+@_fmus_option
+@click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
+def run(
+    scenario: str,
+    driver_mass: float | None,
+    number: str | None,
+    switch: str | None,
+    settings: tuple[str, ...],
+    stop_time: float | None,
+    step_size: float,
+    flavour: str,
+    fmus_folder: Path,
+    output: Path | None,
+) -> None:
+    """Run one scenario of the seat suspension; writes result.csv and a figure.
+
+    \b
+    Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s).
+    Examples:
+      seat-cosim run bump --driver-mass 70 --observer 2
+      seat-cosim run sine --set shaker.sine.frequency=2 --control off --output results/sine2
+    """
+    chosen = SCENARIOS[scenario]
+    stop_time = chosen.stop_time if stop_time is None else stop_time
+    system = seat_suspension(fmus_folder / flavour)
+    parameters = dict(chosen.parameters)
+    parameters |= _observer(int(number)) if number else {}
+    parameters |= control(switch == "on") if switch else {}
+    parameters |= _driver(driver_mass)
+    parameters |= _settings(settings)
+    system.validate(stop_time, step_size, parameters)
+    folder = _folder(output or Path("results", "run", scenario))
+    with _progress(f"running {scenario}") as report:
+        result = system.simulate(
+            stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s")
+        )
+    _finish(result, folder, stop_time)
+    _overview(system, result, folder, scenario)
+    _console.print(f"{len(result.time)} rows and figure in {folder}")
+
+
+def _driver(mass: float | None) -> dict[str, Value]:
+    return {} if mass is None else driver_mass(mass)
+
+
+def _settings(settings: tuple[str, ...]) -> dict[str, Value]:
+    found: dict[str, Value] = {}
+    for setting in settings:
+        name, equals, value = setting.partition("=")
+        if not equals:
+            raise SetupError(f"--set {setting}: expected COMPONENT.VARIABLE=VALUE")
+        found[name.strip()] = value.strip()
+    return found
+
+
+def _overview(system: System, result: Result, folder: Path, scenario: str) -> None:
+    """Draw a run's main signals over time."""
+    from cosim.figures import Curve, Panel, draw
+    from cosim.scenarios import OVERVIEW
+
+    panels = [
+        Panel(f"{label} ({system.unit(signals[0])})", result.time, [Curve(s, result[s], {}) for s in signals], {})
+        for label, signals in OVERVIEW.items()
+    ]
+    draw(folder / "overview.png", f"Seat suspension, {scenario}", panels)
+
+
+@app.command()
+@click.argument("what", type=click.Choice(["bump"]), default="bump")
+@_mass_option
+@_flavour_option
+@_fmus_option
+@click.option("--output", type=click.Path(path_type=Path), default=Path("results"), show_default=True, help="Where to.")
+def reproduce(what: str, driver_mass: float | None, flavour: str, fmus_folder: Path, output: Path) -> None:
+    """Reproduce the paper's evaluation, beside its numbers; so far the bump test (Fig. 5-7).
+
+    \b
+    Example:
+      seat-cosim reproduce bump
+    """
+    from cosim import bump
+    from seat_controller_fmu.parameters import OBSERVERS
+
+    system = seat_suspension(fmus_folder / flavour)
+    mass = system.start("seat.driver_mass") if driver_mass is None else driver_mass
+    cases = bump.cases({number: gamma.value for number, gamma in OBSERVERS.items()})
+    system.validate(SCENARIOS[what].stop_time, STEP_SIZE, _driver(mass))
+    folders = {name: _folder(output / what / name) for name in cases}
+    results: dict[str, Result] = {}
+    with _progress("bump") as report:
+        for name, result in bump.run(system, cases, mass, lambda name, share: report(f"{name} {share:.0%}")):
+            _finish(result, folders[name], SCENARIOS[what].stop_time)
+            results[name] = result
+        report("figures")
+        figures = bump.draw_figures(output / what, results, cases, mass)
+    _print_bump(bump, results, cases, system.start("controller.force_limit"), mass)
+    for path in figures:
+        _console.print(f"figure {path}")
+    _console.print(f"results {output / what}/<case>/result.csv")
+
+
+def _print_bump(bump: Any, results: dict[str, Result], cases: dict[str, Any], force_limit: float, mass: float) -> None:
+    """Print the table of the bump test, the paper's numbers where it gives any."""
+    table = Table(title=f"Bump test, {mass:g} kg driver", title_justify="left", box=SIMPLE)
+    table.add_column("")
+    table.add_column("unit")
+    for case in cases.values():
+        table.add_column(case.title, justify="right")
+    table.add_column("the paper")
+    for measure in bump.measures(force_limit):
+        values = [f"{measure.factor * measure.value(result):.2f}" for result in results.values()]
+        table.add_row(measure.title, measure.unit, *values, measure.paper)
+    _console.print(table)
+    for note in bump.NOTES:
+        _console.print(f"- {note}", markup=False)
+
+
+def main() -> None:
+    """Run the command line; exits with 0, 2 (seen before an FMU was instantiated) or 1 (failed later)."""
+    arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
+    debug = len(arguments) < len(sys.argv) - 1
+    try:
+        app.main(arguments, standalone_mode=False)
+    except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt) as error:
+        code, message = _judge(error)
+        if debug:
+            traceback.print_exc()
+        click.echo(message, err=True)
+        sys.exit(code)
+    sys.exit(0)
+
+
+def _judge(error: BaseException) -> tuple[int, str]:
+    """Say an error in one line, and which exit code it is."""
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        return 2, error.format_message()
+    if isinstance(error, click.ClickException):
+        code, text = error.exit_code, error.format_message()
+    elif isinstance(error, CosimError):
+        code, text = 2 if isinstance(error, SetupError) else 1, str(error)
+    else:
+        code, text = 1, "interrupted"
+    return code, f"seat-cosim: error: {' '.join(text.split())}"

@@ -1,0 +1,25 @@
+"""The two ways a co-simulation goes wrong, each with one line that says what, where, expected, got."""
+
+from __future__ import annotations
+
+
+class CosimError(Exception):
+    """Anything this package reports to its user."""
+
+
+class SetupError(CosimError):
+    """Seen before an FMU is instantiated: a missing file, an unknown variable, a wrong unit, a value out of range.
+
+    Parameters
+    ----------
+    problems
+        All problems found, one line each; checks collect before they stop.
+    """
+
+    def __init__(self, *problems: str) -> None:
+        super().__init__("; ".join(problems))
+        self.problems = problems
+
+
+class RunError(CosimError):
+    """An FMU failed after it was instantiated; names component, call and time."""

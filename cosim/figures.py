@@ -1,0 +1,77 @@
+"""Figures of runs: curves over time, with labels and units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+_STYLE: Any = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "figure.dpi": 150,
+    "font.size": 9,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One curve: its name in the legend, its values at the panel's times, and a matplotlib line style."""
+
+    name: str
+    values: np.ndarray[Any, Any]
+    style: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Axes with some curves; ``marks`` are horizontal lines by name, e.g. a limit."""
+
+    label: str
+    time: np.ndarray[Any, Any]
+    curves: Sequence[Curve]
+    marks: Mapping[str, float]
+
+
+def draw(path: Path, title: str, panels: Sequence[Panel]) -> None:
+    """Draw panels over one time axis into a PNG.
+
+    Parameters
+    ----------
+    path
+        Where to; the folder exists.
+    title
+        One line above.
+    panels
+        From top to bottom.
+    """
+    with plt.rc_context(_STYLE):
+        figure, axes = plt.subplots(
+            len(panels), 1, sharex=True, squeeze=False, figsize=(7.0, 1.2 + 2.1 * len(panels)), layout="constrained"
+        )
+        for axis, panel in zip(axes[:, 0], panels, strict=True):
+            for curve in panel.curves:
+                axis.plot(panel.time, curve.values, label=curve.name, **curve.style)
+            for name, level in panel.marks.items():
+                axis.axhline(level, color="0.5", linestyle=":", linewidth=1.0, label=name)
+            axis.set_ylabel(panel.label)
+            axis.set_xlim(panel.time[0], panel.time[-1])
+            if len(panel.curves) + len(panel.marks) > 1:
+                # above the axes, where it hides no curve
+                axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.0)
+        axes[-1, 0].set_xlabel("Time (s)")
+        figure.suptitle(title, x=0.01, ha="left", fontsize=10)
+        figure.savefig(path, metadata={"Software": None})
+        plt.close(figure)

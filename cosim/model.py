@@ -1,0 +1,174 @@
+"""What an FMU says about itself, read before anything of it is loaded."""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+import fmpy
+from fmpy.model_description import ModelDescription, ModelVariable
+
+from cosim.errors import SetupError
+
+Value = float | bool | str
+"""A parameter's value as a user gives it: enumerations by item name or number."""
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """Return a hint at the names most like one that does not exist, or an empty string."""
+    close = get_close_matches(name, list(names), n=3, cutoff=0.5)
+    return f" (did you mean {' or '.join(close)}?)" if close else ""
+
+
+@dataclass(frozen=True)
+class Model:
+    """An FMU for co-simulation as its description tells.
+
+    Attributes
+    ----------
+    path
+        The ``.fmu`` file.
+    description
+        fmpy's reading of its ``modelDescription.xml``.
+    variables
+        By name, in the description's order.
+    """
+
+    path: Path
+    description: ModelDescription
+    variables: dict[str, ModelVariable]
+
+    @classmethod
+    def read(cls, path: str | Path) -> Model:
+        """Read an FMU's description.
+
+        Parameters
+        ----------
+        path
+            The ``.fmu`` file.
+
+        Raises
+        ------
+        SetupError
+            If there is no such file, it is no FMU, or not one of FMI 2.0 for co-simulation.
+        """
+        path = Path(path)
+        if not path.is_file():
+            raise SetupError(f"{path}: expected an FMU, got no such file")
+        try:
+            description = fmpy.read_model_description(str(path), validate=False)
+        except zipfile.BadZipFile:
+            raise SetupError(f"{path}: expected an FMU (a zip archive), got another kind of file") from None
+        except KeyError:
+            raise SetupError(f"{path}: expected a modelDescription.xml in the archive, got none") from None
+        except Exception as error:  # whatever fmpy stumbles over in a foreign file
+            raise SetupError(f"{path}: expected a readable modelDescription.xml, got: {error}") from error
+        if description.fmiVersion != "2.0" or description.coSimulation is None:
+            kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
+            raise SetupError(f"{path}: expected FMI 2.0 for co-simulation, got FMI {description.fmiVersion}, {kind}")
+        if fmpy.platform not in fmpy.supported_platforms(str(path)):
+            platforms = ", ".join(fmpy.supported_platforms(str(path))) or "none"
+            raise SetupError(f"{path}: expected a binary for {fmpy.platform}, got {platforms}")
+        return cls(path, description, {variable.name: variable for variable in description.modelVariables})
+
+    @property
+    def outputs(self) -> list[ModelVariable]:
+        """Outputs that are numbers or Booleans, in order."""
+        return [v for v in self.variables.values() if v.causality == "output" and v.type != "String"]
+
+    def variable(self, component: str, name: str) -> ModelVariable:
+        """Look up a variable.
+
+        Raises
+        ------
+        SetupError
+            If there is none of that name, with the nearest names.
+        """
+        if name not in self.variables:
+            raise SetupError(
+                f"{component}.{name}: expected a variable of {self.path.name}, got none{nearest(name, self.variables)}"
+            )
+        return self.variables[name]
+
+    def unit(self, variable: ModelVariable) -> str | None:
+        """Return the name of a variable's unit, its type's unit where it has none of its own."""
+        return variable.unit or (variable.declaredType.unit if variable.declaredType else None)
+
+    def dimension(self, variable: ModelVariable) -> tuple[float, ...] | None:
+        """Return base unit exponents, factor and offset of a variable's unit, or None where they are not defined."""
+        unit = next((u for u in self.description.unitDefinitions if u.name == self.unit(variable)), None)
+        if unit is None or unit.baseUnit is None:
+            return None
+        b = unit.baseUnit
+        return (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad, b.factor, b.offset)
+
+    def bound(self, variable: ModelVariable, which: str) -> float | None:
+        """Return a variable's ``min`` or ``max``, its type's where it has none of its own."""
+        text = getattr(variable, which) or (getattr(variable.declaredType, which) if variable.declaredType else None)
+        return None if text is None else float(text)
+
+    def value(self, component: str, name: str, given: Value) -> float | str:
+        """Check a value for a variable and convert it to what the FMU takes.
+
+        Parameters
+        ----------
+        component, name
+            Whose variable; for the message.
+        given
+            Number, Boolean, or text as from a command line; an enumeration's item by name or number.
+
+        Returns
+        -------
+        float or str
+            Booleans as 0.0 or 1.0, enumerations as their number.
+
+        Raises
+        ------
+        SetupError
+            If there is no such variable, it may not be set, or the value does not fit it.
+        """
+        variable = self.variable(component, name)
+        where = f"{component}.{name}"
+        settable = variable.causality in ("parameter", "input") or (
+            variable.causality == "local"
+            and variable.initial in ("exact", "approx")
+            and variable.variability != "constant"
+        )
+        if not settable:
+            raise SetupError(f"{where}: expected a parameter or an input, got a {variable.causality}")
+        if variable.type == "String":
+            return str(given)
+        number = _number(variable, where, given)
+        low, high = self.bound(variable, "min"), self.bound(variable, "max")
+        unit = f" {self.unit(variable)}" if self.unit(variable) else ""
+        if not math.isfinite(number):
+            raise SetupError(f"{where}: expected a finite number, got {given}")
+        if (low is not None and number < low) or (high is not None and number > high):
+            bounds = f"[{'-inf' if low is None else f'{low:g}'}, {'inf' if high is None else f'{high:g}'}]"
+            raise SetupError(f"{where}: expected a value in {bounds}{unit}, got {given}")
+        return number
+
+
+def _number(variable: ModelVariable, where: str, given: Value) -> float:
+    """Convert a value to a number as the variable's type asks."""
+    text = str(given).strip()
+    if variable.type == "Boolean":
+        truths = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}
+        if text.lower() not in truths:
+            raise SetupError(f"{where}: expected true or false, got {given}")
+        return truths[text.lower()]
+    items = {i.name: float(i.value) for i in variable.declaredType.items} if variable.type == "Enumeration" else {}
+    if text in items:
+        return items[text]
+    expected = f"one of {', '.join(items)}" if items else "a number"
+    try:
+        number = float(text)
+    except ValueError:
+        raise SetupError(f"{where}: expected {expected}, got {given}") from None
+    if (items and number not in items.values()) or (variable.type == "Integer" and not number.is_integer()):
+        raise SetupError(f"{where}: expected {expected if items else 'a whole number'}, got {given}")
+    return number

@@ -1,0 +1,197 @@
+"""Build the FMUs: collect what a component needs, derive its GUID from that, hand it to the flavour's builder."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import fmpy
+
+from fmus.component import Component
+from fmus.description import content_guid, model_description, to_xml
+from plant_models.seat import SEAT_PLANT
+from plant_models.shaker import SHAKER
+from seat_controller_fmu.controller import SEAT_CONTROLLER
+
+COMPONENTS = (SEAT_CONTROLLER, SEAT_PLANT, SHAKER)
+"""All components that are built."""
+
+_PACKAGES = ("fmus", "plant_models", "seat_controller_fmu")
+_SLAVE_SCRIPT = Path(__file__).with_name("slave_script.py")
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+class BuildError(RuntimeError):
+    """A build tool failed; the message ends with what it said."""
+
+
+@dataclass(frozen=True)
+class Built:
+    """One built FMU.
+
+    Attributes
+    ----------
+    path
+        Where it lies.
+    fresh
+        False where a file of the same content stood there already.
+    """
+
+    path: Path
+    fresh: bool
+
+
+def _source(module: str) -> Path | None:
+    """Find a module's file; None for a name that is not a module but stands within one."""
+    try:
+        spec = importlib.util.find_spec(module)
+    except ModuleNotFoundError:
+        return None
+    return Path(spec.origin) if spec and spec.origin else None
+
+
+def _imports(path: Path) -> Iterator[str]:
+    """Yield the names that a file imports at its top level, functions' own imports left out."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def source_files(*modules: str) -> dict[str, Path]:
+    """Find the project's modules that the given ones import, directly or not, packages included.
+
+    Parameters
+    ----------
+    modules
+        Names of modules of this project.
+
+    Returns
+    -------
+    dict
+        Path inside a folder of sources (``plant_models/seat.py``) to the file, sorted by that path.
+    """
+    files: dict[str, Path] = {}
+    waiting = list(modules)
+    while waiting:
+        name = waiting.pop()
+        package, _, _ = name.rpartition(".")
+        if name.partition(".")[0] not in _PACKAGES or (path := _source(name)) is None:
+            continue
+        inside = name.replace(".", "/") + ("/__init__.py" if path.name == "__init__.py" else ".py")
+        if inside not in files:
+            files[inside] = path
+            waiting += [package, *_imports(path)]
+    return dict(sorted(files.items()))
+
+
+def _attribute(component: Component) -> str:
+    """Find the name under which a component stands in its module."""
+    module = sys.modules[component.module]
+    return next(name for name, value in vars(module).items() if value is component)
+
+
+def _deterministic(path: Path) -> bytes:
+    """Rewrite an archive with sorted entries and without times, so that the same content gives the same bytes."""
+    with zipfile.ZipFile(path) as archive:
+        contents = {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name in sorted(contents):
+            info = zipfile.ZipInfo(name, _EPOCH)
+            info.external_attr = 0o644 << 16
+            info.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(info, contents[name])
+    return path.read_bytes()
+
+
+def _guid_of(path: Path) -> str | None:
+    """Read the GUID of an FMU that may not be there or may be broken."""
+    try:
+        return str(fmpy.read_model_description(str(path), validate=False).guid)
+    except Exception:  # whatever is wrong with it, it is not the FMU to be built
+        return None
+
+
+def build_python_fmu(component: Component, folder: Path) -> Built:
+    """Build a component as a pythonfmu FMU, unless the same one lies there already.
+
+    Parameters
+    ----------
+    component
+        What to build.
+    folder
+        Where ``<name>.fmu`` goes; made where it does not exist.
+
+    Raises
+    ------
+    BuildError
+        If pythonfmu's builder fails.
+    """
+    sources = source_files(component.module, "fmus.python_slave")
+    script = _SLAVE_SCRIPT.read_bytes()
+    guid = content_guid(
+        to_xml(model_description(component, "", needs_execution_tool=True)),
+        version("pythonfmu").encode(),
+        script,
+        *(part for name, path in sources.items() for part in (name.encode(), path.read_bytes())),
+    )
+    target = folder / f"{component.name}.fmu"
+    if _guid_of(target) == guid:
+        return Built(target, fresh=False)
+    with tempfile.TemporaryDirectory(prefix="seat-cosim-") as temporary:
+        stage = Path(temporary)
+        main = stage / f"{component.name}_{guid.strip('{}').replace('-', '')}.py"  # see slave_script.py
+        main.write_bytes(script)
+        for name, path in sources.items():
+            (stage / "model" / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, stage / "model" / name)
+        identity = {"guid": guid, "module": component.module, "attribute": _attribute(component)}
+        (stage / "component.json").write_text(json.dumps(identity, indent=2) + "\n", encoding="utf-8")
+        command = [sys.executable, "-m", "pythonfmu", "build", "--file", str(main), "--dest", str(stage / "built")]
+        command += ["--handle-state", "--serialize-state"]  # the builder overwrites the description's capabilities
+        command += [str(stage / "model"), str(stage / "component.json")]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        built = stage / "built" / f"{component.name}.fmu"
+        if run.returncode or not built.exists():
+            raise BuildError(f"{component.name}: pythonfmu ended with {run.returncode}: {run.stderr.strip()[-500:]}")
+        folder.mkdir(parents=True, exist_ok=True)
+        content = _deterministic(built)
+        target.with_suffix(".tmp").write_bytes(content)
+        target.with_suffix(".tmp").replace(target)
+    return Built(target, fresh=True)
+
+
+FLAVOURS: dict[str, Callable[[Component, Path], Built]] = {"python": build_python_fmu}
+"""How each flavour is built; the FMUs of a flavour lie in the folder of its name."""
+
+
+def build(folder: Path, flavours: tuple[str, ...] = tuple(FLAVOURS)) -> Iterator[Built]:
+    """Build all components in the given flavours, one after the other.
+
+    Parameters
+    ----------
+    folder
+        Each flavour's FMUs go to the subfolder of its name.
+    flavours
+        Names from :data:`FLAVOURS`.
+
+    Yields
+    ------
+    Built
+        As soon as it is there.
+    """
+    for flavour in flavours:
+        for component in COMPONENTS:
+            yield FLAVOURS[flavour](component, folder / flavour)

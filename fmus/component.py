@@ -1,0 +1,68 @@
+"""What the project calls a component: an interface of variables and two pure functions over it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from fmus.variables import TIME, Variable, variables_of
+
+
+class ParameterError(ValueError):
+    """Parameters that are each within their range but contradict one another."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """A model that can become an FMU, in any flavour.
+
+    The state is a flat ``NamedTuple`` of numbers, so it can be saved, compared and restored as it is; everything that
+    is computed from parameters alone stands apart, in the coefficients.
+
+    Attributes
+    ----------
+    name
+        FMI model name and identifier.
+    description
+        One sentence for the FMU's description.
+    module
+        Name of the module in which the component stands; what it imports is what a Python FMU carries.
+    inputs, outputs, parameters, constants
+        Interface dataclasses, see :mod:`fmus.variables`; ``constants`` may be None.
+    state
+        ``NamedTuple`` class of the state.
+    prepare
+        ``prepare(parameters) -> coefficients``; raises :class:`ParameterError` where parameters contradict.
+    initial
+        ``initial(inputs, coefficients, time) -> (state, outputs)`` at the start of a run, ``time`` in s.
+    advance
+        ``advance(state, inputs, coefficients, time, step_size) -> (state, outputs)``: from ``time`` to
+        ``time + step_size``, both in s, inputs as set at ``time``; outputs hold at the end of the step.
+    warnings
+        ``warnings(parameters) -> texts`` for legal parameters that a user should think about.
+    """
+
+    name: str
+    description: str
+    module: str
+    inputs: type
+    outputs: type
+    parameters: type
+    state: type
+    prepare: Callable[[Any], Any]
+    initial: Callable[[Any, Any, float], tuple[Any, Any]]
+    advance: Callable[[Any, Any, Any, float, float], tuple[Any, Any]]
+    constants: type | None = None
+    warnings: Callable[[Any], Sequence[str]] = lambda parameters: ()
+
+    @cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """All variables; the position is the value reference, in every flavour."""
+        records = [self.inputs, self.outputs, self.parameters, *([self.constants] if self.constants else [])]
+        variables = (TIME, *(variable for record in records for variable in variables_of(record)))
+        names = [variable.name for variable in variables]
+        if len(set(names)) != len(names):
+            raise ValueError(f"component {self.name}: a variable name stands twice")
+        return variables

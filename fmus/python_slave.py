@@ -1,0 +1,277 @@
+"""Any component as a pythonfmu slave.
+
+pythonfmu's own registry of variables knows no units, bounds, dependencies or enumerations, and its accessors raise
+where a host passes something wrong, which is fatal to the host. So the slave answers every call from the component's
+declaration: setters never raise; what they refuse is logged, the old value stays, and the next step is discarded.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from operator import attrgetter
+from typing import Any, ClassVar
+from xml.etree import ElementTree
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+from fmus.component import Component, ParameterError
+from fmus.variables import Variable
+
+SAME_TIME = 1e-9
+"""Relative (above 1 s) or absolute (below, in s) distance within which two times are the same."""
+
+
+class ComponentSlave(Fmi2Slave):
+    """An FMI 2.0 co-simulation slave made of a component.
+
+    Subclasses set ``component`` and ``content_guid``; the value reference of a variable is its position in
+    ``component.variables``.
+    """
+
+    component: ClassVar[Component]
+    content_guid: ClassVar[str]
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.modelName = self.component.name
+        self.guid = self.content_guid
+        self._variables = self.component.variables
+        self._values: list[Any] = [0.0 if v.start is None else v.start for v in self._variables]
+        self._slices = {causality: self._slice(causality) for causality in ("input", "output", "parameter")}
+        self._output_values = attrgetter(*(v.field for v in self._variables[self._slices["output"]]))
+        self._phase = "instantiated"
+        self._time = 0.0
+        self._state: Any = None
+        self._coefficients: Any = None
+        self._outputs_due = True
+        self._faults: dict[str, str] = {}
+        self._warned: list[str] = []
+
+    def _slice(self, causality: str) -> slice:
+        positions = [i for i, v in enumerate(self._variables) if v.causality == causality]
+        return slice(positions[0], positions[-1] + 1) if positions else slice(0, 0)
+
+    # ---- description -------------------------------------------------------------------------------------------------
+
+    def to_xml(self, model_options: dict[str, str] | None = None) -> ElementTree.Element:
+        """Return the component's own description; called by pythonfmu's builder, where fmpy is at hand."""
+        from fmus.description import model_description, to_xml
+
+        description = model_description(self.component, self.content_guid, needs_execution_tool=True)
+        root = ElementTree.fromstring(to_xml(description))
+        for element in root.iter():  # the builder indents anew
+            element.text = element.tail = None
+        return root
+
+    # ---- messages ----------------------------------------------------------------------------------------------------
+
+    def log(self, msg: str, status: Fmi2Status = Fmi2Status.ok, *args: Any, **kwargs: Any) -> None:
+        """Log a message; a host reads it as a printf format, so percent signs are doubled."""
+        super().log(msg.replace("%", "%%"), status, *args, **kwargs)
+
+    def _fault(self, name: str, problem: str) -> None:
+        self._faults[name] = problem
+        self.log(problem, Fmi2Status.error)
+
+    def _refuse_step(self, time: float, reason: str) -> bool:
+        self.log(f"step at t = {time} s refused: {reason}", Fmi2Status.discard)
+        return False
+
+    # ---- values ------------------------------------------------------------------------------------------------------
+
+    def _variable(self, reference: int, kinds: tuple[type, ...]) -> Variable | None:
+        """Look up a variable of one of the types; log and return None where there is none."""
+        if not 0 <= reference < len(self._variables):
+            self._fault(f"#{reference}", f"expected a value reference below {len(self._variables)}, got {reference}")
+            return None
+        variable = self._variables[reference]
+        if not issubclass(variable.type, kinds) or (variable.type is bool and bool not in kinds):
+            self._fault(
+                variable.name,
+                f"{variable.name}: expected the access of a {variable.type.__name__}, got {kinds[0].__name__}",
+            )
+            return None
+        return variable
+
+    def _may_be_set(self, variable: Variable) -> bool:
+        if variable.causality == "input" or variable.variability == "tunable":
+            return True
+        return variable.variability == "fixed" and self._phase in ("instantiated", "initializing")
+
+    def _set(self, references: Sequence[int], values: Sequence[Any], kinds: tuple[type, ...]) -> None:
+        for reference, value in zip(references, values, strict=True):
+            variable = self._variable(reference, kinds)
+            if variable is None:
+                continue
+            if not self._may_be_set(variable):
+                what = f"{variable.variability} {variable.causality}"
+                self._fault(variable.name, f"{variable.name}: a {what} may not be set while {self._phase}, got {value}")
+            elif problem := variable.problem(value):
+                self._fault(variable.name, problem)
+            else:
+                self._values[reference] = value
+                self._faults.pop(variable.name, None)
+                self._outputs_due = True
+                if variable.causality == "parameter":
+                    self._coefficients = None
+
+    def _get(self, references: Sequence[int], kinds: tuple[type, ...], nothing: Any) -> list[Any]:
+        if self._outputs_due and self._phase in ("instantiated", "initializing"):
+            self._initialise()
+        found = []
+        for reference in references:
+            variable = self._variable(reference, kinds)
+            found.append(nothing if variable is None else self._values[reference])
+        return found
+
+    def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
+        """Set numbers by value reference."""
+        self._set(vrs, values, (float,))
+
+    def set_integer(self, vrs: Sequence[int], values: Sequence[int]) -> None:
+        """Set enumerations by value reference."""
+        self._set(vrs, values, (int,))
+
+    def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
+        """Set Booleans by value reference."""
+        self._set(vrs, values, (bool,))
+
+    def set_string(self, vrs: Sequence[int], values: Sequence[str]) -> None:
+        """Refuse: no component has strings."""
+        self._set(vrs, values, (str,))
+
+    def get_real(self, vrs: Sequence[int]) -> list[float]:
+        """Get numbers by value reference; NaN where there is none."""
+        return self._get(vrs, (float,), math.nan)
+
+    def get_integer(self, vrs: Sequence[int]) -> list[int]:
+        """Get enumerations by value reference; 0 where there is none."""
+        return [int(value) for value in self._get(vrs, (int,), 0)]
+
+    def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
+        """Get Booleans by value reference; False where there is none."""
+        return self._get(vrs, (bool,), False)
+
+    def get_string(self, vrs: Sequence[int]) -> list[str]:
+        """Refuse: no component has strings."""
+        return self._get(vrs, (str,), "")
+
+    # ---- life cycle --------------------------------------------------------------------------------------------------
+
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
+        """Take the start time, in s."""
+        if math.isfinite(start_time):
+            self._time = self._values[0] = start_time
+        else:
+            self._fault("time", f"start time: expected a finite number, got {start_time}")
+
+    def enter_initialization_mode(self) -> None:
+        """Begin the initialisation."""
+        self._phase = "initializing"
+
+    def exit_initialization_mode(self) -> None:
+        """Check the parameters against one another and compute the first outputs."""
+        self._initialise()
+        self._phase = "stepping"
+
+    def terminate(self) -> None:
+        """End the run."""
+        self._phase = "terminated"
+
+    def _prepare(self) -> str | None:
+        """Derive the coefficients of the parameters as they are now; return what is wrong with them, or None."""
+        if self._coefficients is not None:
+            return None
+        parameters = self.component.parameters(*self._values[self._slices["parameter"]])
+        try:
+            self._coefficients = self.component.prepare(parameters)
+        except ParameterError as error:
+            return str(error)
+        for text in self.component.warnings(parameters):
+            if text not in self._warned:
+                self._warned.append(text)
+                self.log(text, Fmi2Status.warning)
+        return None
+
+    def _inputs(self) -> Any:
+        return self.component.inputs(*self._values[self._slices["input"]])
+
+    def _initialise(self) -> None:
+        problem = self._prepare()
+        if problem:
+            self.log(problem, Fmi2Status.error)
+            return
+        self._state, outputs = self.component.initial(self._inputs(), self._coefficients, self._time)
+        self._values[self._slices["output"]] = self._output_values(outputs)
+        self._outputs_due = False
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advance from ``current_time`` by ``step_size``, both in s; False (discard) leaves everything as it was."""
+        if self._phase != "stepping":
+            return self._refuse_step(current_time, f"expected a call after initialisation, got one while {self._phase}")
+        if self._faults:
+            reasons = "; ".join(self._faults.values())
+            self._faults.clear()
+            return self._refuse_step(current_time, reasons)
+        if not abs(current_time - self._time) <= SAME_TIME * max(1.0, abs(self._time)):
+            return self._refuse_step(current_time, f"expected the time {self._time} s, got {current_time} s")
+        if not 0.0 < step_size < math.inf:
+            return self._refuse_step(current_time, f"expected a step size above 0, got {step_size} s")
+        if problem := self._prepare():
+            return self._refuse_step(current_time, problem)
+        try:
+            state, outputs = self.component.advance(
+                self._state, self._inputs(), self._coefficients, current_time, step_size
+            )
+            values = self._output_values(outputs)
+        except ArithmeticError as error:
+            return self._refuse_step(current_time, f"{type(error).__name__}: {error}")
+        for variable, value in zip(self._variables[self._slices["output"]], values, strict=True):
+            if not math.isfinite(value):
+                return self._refuse_step(current_time, f"{variable.name}: expected a finite number, got {value}")
+        self._state = state
+        self._values[self._slices["output"]] = values
+        self._time = self._values[0] = current_time + step_size
+        return True
+
+    # ---- state -------------------------------------------------------------------------------------------------------
+
+    def _get_fmu_state(self) -> dict[str, Any]:
+        return {
+            "guid": self.content_guid,
+            "phase": self._phase,
+            "time": self._time,
+            "values": [v if isinstance(v, bool) else float(v) for v in self._values],
+            "state": None if self._state is None else list(self._state),
+            "outputs_due": self._outputs_due,
+            "faults": dict(self._faults),
+            "warned": list(self._warned),
+        }
+
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+        if state.get("guid") != self.content_guid:
+            self._fault(
+                "state", f"state: expected one of {self.modelName} {self.content_guid}, got {state.get('guid')}"
+            )
+            return
+        self._phase = state["phase"]
+        self._time = state["time"]
+        self._values = list(state["values"])
+        self._state = None if state["state"] is None else self.component.state(*state["state"])
+        self._outputs_due = state["outputs_due"]
+        self._faults = dict(state["faults"])
+        self._warned = list(state["warned"])
+        self._coefficients = None
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
+        try:
+            found = json.loads(state.decode("utf-8"))
+        except ValueError:
+            found = None
+        return found if isinstance(found, dict) else {"guid": "a byte string that is no state"}

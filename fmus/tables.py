@@ -1,0 +1,46 @@
+"""The variables of all components as a page of tables: ``python -m fmus.tables > docs/variables.md``."""
+
+from __future__ import annotations
+
+from fmus.build import COMPONENTS
+from fmus.component import Component
+from fmus.variables import Variable
+
+PATH = "docs/variables.md"
+"""Where the page lies in the repository."""
+
+_HEAD = """# Variables of the FMUs
+
+Generated from the declarations by `python -m fmus.tables > docs/variables.md`. All flavours of a component have these
+variables in this order; the value reference is the position. Up is positive for displacements, forces and
+accelerations; displacements are from static equilibrium, accelerations without gravity; everything starts at rest.
+"""
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:g}"
+
+
+def _row(reference: int, v: Variable) -> str:
+    start = "" if v.start is None else str(v.start).lower() if isinstance(v.start, bool) else _number(v.start)
+    items = ", ".join(f"{number} {name}" for name, number in v.items.items())
+    bounds = "" if v.minimum is None and v.maximum is None else f"{_number(v.minimum)} … {_number(v.maximum)}"
+    cells = (str(reference), f"`{v.name}`", v.unit or "", v.causality, v.variability, start, items or bounds)
+    return "| " + " | ".join((*cells, v.description.replace("|", "\\|"))) + " |"
+
+
+def table(component: Component) -> str:
+    """Write a component's variables as a Markdown table."""
+    head = "| # | variable | unit | causality | variability | start | range | description |\n" + "|---" * 8 + "|"
+    rows = [_row(reference, variable) for reference, variable in enumerate(component.variables)]
+    return "\n".join([head, *rows])
+
+
+def page() -> str:
+    """Write the whole page."""
+    parts = [f"## {c.name}\n\n{c.description}.\n\n{table(c)}\n" for c in COMPONENTS]
+    return "\n".join([_HEAD, *parts])
+
+
+if __name__ == "__main__":
+    print(page(), end="")

@@ -1,0 +1,60 @@
+"""Units by name: ``"N.s/m"`` to SI base exponents.
+
+The grammar is Modelica's, which FMI tools expect in unit names: symbols with an optional integer exponent, joined by
+``.``, and at most one ``/`` before the denominator, e.g. ``kg``, ``m/s2``, ``N.s/m``, ``1/m2``.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+
+class Dimension(NamedTuple):
+    """Exponents of the SI base units that occur in this project; every unit here has factor 1 and offset 0."""
+
+    kg: int = 0
+    m: int = 0
+    s: int = 0
+
+
+_SYMBOLS = {
+    "1": Dimension(),
+    "kg": Dimension(kg=1),
+    "m": Dimension(m=1),
+    "s": Dimension(s=1),
+    "Hz": Dimension(s=-1),
+    "N": Dimension(kg=1, m=1, s=-2),
+}
+
+_FACTOR = re.compile(r"(?P<symbol>1|[A-Za-z]+)(?P<exponent>\d*)")
+
+
+def dimension(unit: str) -> Dimension:
+    """Return the SI base exponents of a unit name.
+
+    Parameters
+    ----------
+    unit
+        Unit name in the grammar of this module, e.g. ``"N.s/m"``.
+
+    Raises
+    ------
+    ValueError
+        If the name does not follow the grammar or uses a symbol that is not known here.
+
+    Examples
+    --------
+    >>> dimension("N.s/m")
+    Dimension(kg=1, m=0, s=-1)
+    """
+    numerator, _, denominator = unit.partition("/")
+    total = Dimension()
+    for side, sign in ((numerator, 1), (denominator, -1)):
+        for factor in filter(None, side.split(".")):
+            match = _FACTOR.fullmatch(factor)
+            if match is None or match["symbol"] not in _SYMBOLS:
+                raise ValueError(f"unit {unit!r}: factor {factor!r} is not one of {', '.join(_SYMBOLS)}")
+            power = sign * int(match["exponent"] or 1)
+            total = Dimension(*(t + power * f for t, f in zip(total, _SYMBOLS[match["symbol"]], strict=True)))
+    return total

@@ -1,0 +1,1 @@
+"""What stands under and on the seat: the two-mass seat with its friction, and the shaker."""

@@ -1,0 +1,27 @@
+"""The seat's and the excitation's numbers, each with unit, symbol and source (equation numbers are the paper's [1])."""
+
+from __future__ import annotations
+
+from fmus.variables import Quantity
+
+_TABLE_1 = "Table 1"
+_FRICTION = "Appendix"
+
+DRIVER_MASS = Quantity(55.0, "kg", "m_b", _TABLE_1)
+SEAT_MASS = Quantity(28.0, "kg", "m_s", _TABLE_1)
+CUSHION_STIFFNESS = Quantity(90_000.0, "N/m", "k_c", _TABLE_1)
+CUSHION_DAMPING = Quantity(2_500.0, "N.s/m", "c_c", _TABLE_1)
+SUSPENSION_STIFFNESS = Quantity(4_600.0, "N/m", "k_f", _TABLE_1)
+SUSPENSION_DAMPING = Quantity(0.0, "N.s/m", "c_f", "the prototype's damper is removed, section 3.1")
+
+FRICTION_ALPHA = Quantity(3.0983e5, "N/m", "alpha", _FRICTION)
+FRICTION_GAMMA = Quantity(2.1617e8, "1/m2", "gamma_d", _FRICTION)
+FRICTION_BETA = Quantity(-9.8889e7, "1/m2", "beta_d", _FRICTION)
+FRICTION_A = Quantity(6.9321, "1", "A_d", _FRICTION)
+
+BUMP_HEIGHT = Quantity(0.07, "m", "a", "equation 34")
+BUMP_LENGTH = Quantity(0.8, "m", "l", "equation 34")
+BUMP_SPEED = Quantity(1.0, "m/s", "v_0", "equation 34")
+
+SINE_FREQUENCY = Quantity(3.0, "Hz", "f", "middle of the 2-4 Hz that shake drivers most, section 3.1")
+SINE_AMPLITUDE = Quantity(0.006, "m", "A", "assumed")

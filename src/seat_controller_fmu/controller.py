@@ -1,0 +1,263 @@
+"""The sampled controller: rate filter, disturbance observer (21), control law (24), saturation (6), torque (33).
+
+One sample k, with delta the measured deflection, Y_2 the measured seat acceleration and h the sample time:
+
+    v_k   = (tau v_(k-1) + delta_k - delta_(k-1)) / (tau + h),   tau = 1/(2 pi f_c)
+    F_k   = F_(k-1) + h L_h [ Y_2 - ( -(k_f/M) delta_k + (u_(k-1) - F_(k-1))/M ) ]                  (21)
+    u_k   = K_h [delta_k, v_k]' + F_k                                                               (24)
+    u_sat = clip(u_k, -u_lim, u_lim)                                                                (6)
+    T     = u_sat sqrt(L^2 - (h_0 + delta_k)^2) / (2 r_g)                                           (33)
+
+starting from u_(-1) = F_(-1) = v_(-1) = 0 and delta_(-1) = delta_0. All that depends on parameters alone is computed
+beforehand, so a sample costs 10 multiplications, 10 additions and a square root.
+
+Erratum: the paper prints Y_2 = z_s'; the equations hold for the acceleration z_s''.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from fmus.component import Component, ParameterError
+from seat_controller_fmu.fuzzy import MassRange, observer_gain
+from seat_controller_fmu.interface import Constants, Inputs, Outputs, Parameters
+from seat_controller_fmu.parameters import SAMPLE_TIME
+
+SAME_SAMPLE = 1e-3
+"""A sample is due if its time is reached within this share of the sample time: hosts add up rounding errors."""
+
+
+class State(NamedTuple):
+    """State of the controller.
+
+    Attributes
+    ----------
+    next_sample
+        Number k of the sample that is due next, at the time k h.
+    started
+        Whether a sample was taken yet: before, there is no previous deflection.
+    deflection
+        delta of the last sample, in m.
+    rate
+        v of the last sample, in m/s.
+    demand, force, estimate
+        u, u_sat and F_hat of the last sample, in N.
+    """
+
+    next_sample: int
+    started: bool
+    deflection: float
+    rate: float
+    demand: float
+    force: float
+    estimate: float
+
+
+class Coefficients(NamedTuple):
+    """Factors of the sampled equations, from the parameters alone.
+
+    Attributes
+    ----------
+    rate_decay, rate_gain
+        tau/(tau + h) and 1/(tau + h), in 1 and 1/s.
+    observer_acceleration, observer_deflection, observer_force
+        h L_h in kg, h L_h k_f/M in N/m, h L_h/M in 1.
+    deflection_gain, rate_gain_K
+        K_h, in N/m and N.s/m.
+    limit
+        u_lim, in N.
+    link_squared, height, torque_gain
+        L^2 in m^2, h_0 in m, 1/(2 r_g).
+    enabled, anti_windup
+        As the parameters.
+    """
+
+    rate_decay: float
+    rate_gain: float
+    observer_acceleration: float
+    observer_deflection: float
+    observer_force: float
+    deflection_gain: float
+    rate_gain_K: float
+    limit: float
+    link_squared: float
+    height: float
+    torque_gain: float
+    enabled: bool
+    anti_windup: bool
+
+
+def mass_range(parameters: Parameters) -> MassRange:
+    """Return M_min and M_max (11) of the parameters."""
+    return MassRange(
+        parameters.driver_mass_min + parameters.seat_mass, parameters.driver_mass_max + parameters.seat_mass
+    )
+
+
+def observer_gains(parameters: Parameters) -> tuple[float, float]:
+    """Return L_1 and L_2 in kg/s: as given, or by (23) where they are 0."""
+    given = (parameters.L1, parameters.L2)
+    vertices = mass_range(parameters)
+    return tuple(  # type: ignore[return-value]
+        gain if gain != 0.0 else observer_gain(mass, parameters.observer_gamma)
+        for gain, mass in zip(given, vertices, strict=True)
+    )
+
+
+def prepare(parameters: Parameters) -> Coefficients:
+    """Derive the step's coefficients: schedule gains and model over the driver's mass (11)-(14).
+
+    Raises
+    ------
+    ParameterError
+        If the mass range is empty or reversed.
+    """
+    p = parameters
+    if not p.driver_mass_min < p.driver_mass_max:
+        raise ParameterError(
+            "controller: expected driver_mass_min < driver_mass_max, got "
+            f"{p.driver_mass_min} kg and {p.driver_mass_max} kg"
+        )
+    vertices = mass_range(p)
+    mass = p.driver_mass + p.seat_mass  # (4)
+    h_1, h_2 = vertices.memberships(mass)
+    L_1, L_2 = observer_gains(p)
+    h = SAMPLE_TIME.value
+    hL = h * (h_1 * L_1 + h_2 * L_2)
+    D_2 = vertices.inverse_mass(mass)
+    tau = 1.0 / (2.0 * math.pi * p.rate_filter_cutoff)
+    return Coefficients(
+        rate_decay=tau / (tau + h),
+        rate_gain=1.0 / (tau + h),
+        observer_acceleration=hL,
+        observer_deflection=hL * p.suspension_stiffness * D_2,
+        observer_force=hL * D_2,
+        deflection_gain=h_1 * p.K1_deflection + h_2 * p.K2_deflection,
+        rate_gain_K=h_1 * p.K1_rate + h_2 * p.K2_rate,
+        limit=p.force_limit,
+        link_squared=p.link_length * p.link_length,
+        height=p.initial_height,
+        torque_gain=1.0 / (2.0 * p.gear_ratio),
+        enabled=bool(p.enabled),
+        anti_windup=bool(p.anti_windup),
+    )
+
+
+def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[State, Outputs]:
+    """Take one sample.
+
+    Parameters
+    ----------
+    state
+        Of the previous sample.
+    inputs
+        Measurements at the sample.
+    coefficients
+        From :func:`prepare`.
+
+    Returns
+    -------
+    tuple of State and Outputs
+        After the sample; ``state.next_sample`` is one more.
+    """
+    c = coefficients
+    delta = inputs.suspension_deflection
+    previous = state.deflection if state.started else delta
+    v = c.rate_decay * state.rate + c.rate_gain * (delta - previous)
+    if c.enabled:
+        applied = state.force if c.anti_windup else state.demand
+        innovation = c.observer_acceleration * inputs.seat_acceleration + c.observer_deflection * delta
+        F_hat = state.estimate + innovation - c.observer_force * (applied - state.estimate)  # (21)
+        u = c.deflection_gain * delta + c.rate_gain_K * v + F_hat  # (24)
+        u_sat = min(max(u, -c.limit), c.limit)  # (6)
+    else:
+        F_hat = u = u_sat = 0.0
+    state = State(state.next_sample + 1, True, delta, v, u, u_sat, F_hat)
+    return state, held_outputs(state, c)
+
+
+def held_outputs(state: State, coefficients: Coefficients) -> Outputs:
+    """Evaluate the outputs of the last sample, the motor torque (33) with its radicand clamped at 0."""
+    height = coefficients.height + state.deflection
+    radicand = coefficients.link_squared - height * height
+    torque = state.force * math.sqrt(radicand) * coefficients.torque_gain if radicand > 0.0 else 0.0
+    return Outputs(
+        force=state.force,
+        force_demand=state.demand,
+        motor_torque=torque,
+        disturbance_estimate=state.estimate,
+        deflection_rate=state.rate,
+        saturated=state.demand != state.force,
+    )
+
+
+def initial(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, Outputs]:
+    """Start before the first sample; takes none.
+
+    Parameters
+    ----------
+    inputs
+        Not used: initialisation takes no sample.
+    coefficients
+        Not used: all outputs are 0.
+    time
+        Start time, in s; the first sample is the first multiple of the sample time from there on.
+    """
+    first = math.ceil(time / SAMPLE_TIME.value - SAME_SAMPLE)
+    return State(first, False, 0.0, 0.0, 0.0, 0.0, 0.0), Outputs()
+
+
+def advance(
+    state: State, inputs: Inputs, coefficients: Coefficients, time: float, step_size: float
+) -> tuple[State, Outputs]:
+    """Take every sample due in [time, time + step_size), all with the same inputs.
+
+    Parameters
+    ----------
+    state
+        At ``time``.
+    inputs
+        Measurements, as set before the step.
+    coefficients
+        From :func:`prepare`.
+    time, step_size
+        Begin and length of the communication step, in s.
+
+    Returns
+    -------
+    tuple of State and Outputs
+        The outputs are the last sample's, also where none was due.
+    """
+    end = math.ceil((time + step_size) / SAMPLE_TIME.value - SAME_SAMPLE)
+    outputs = None
+    while state.next_sample < end:
+        state, outputs = step(state, inputs, coefficients)
+    return state, outputs or held_outputs(state, coefficients)
+
+
+def warnings(parameters: Parameters) -> list[str]:
+    """Say where the scheduling is clamped: a driver outside the range the gains are made for."""
+    p = parameters
+    if p.driver_mass_min <= p.driver_mass <= p.driver_mass_max:
+        return []
+    return [
+        f"driver_mass {p.driver_mass} kg lies outside [{p.driver_mass_min}, {p.driver_mass_max}] kg: "
+        "the gains of the nearer end are used"
+    ]
+
+
+SEAT_CONTROLLER = Component(
+    name="SeatController",
+    description="Disturbance observer based Takagi-Sugeno fuzzy controller of an active seat suspension, 500 Hz",
+    module=__name__,
+    inputs=Inputs,
+    outputs=Outputs,
+    parameters=Parameters,
+    constants=Constants,
+    state=State,
+    prepare=prepare,
+    initial=initial,
+    advance=advance,
+    warnings=warnings,
+)

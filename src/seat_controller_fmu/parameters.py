@@ -1,0 +1,37 @@
+"""The controller's numbers, each with unit, symbol and source (equation numbers are the paper's [1]).
+
+What the controller knows about the seat (m_s, k_f, m_b) are the seat's own numbers, :mod:`plant_models.parameters`.
+"""
+
+from __future__ import annotations
+
+from fmus.variables import Quantity
+
+_TABLE_1 = "Table 1"
+
+SAMPLE_TIME = Quantity(0.002, "s", "h", "section 3.3: 500 Hz")
+FORCE_LIMIT = Quantity(250.0, "N", "u_lim", _TABLE_1)
+
+# Table 1 prints m_bmax = 120 kg, but the published L_12 = -3086 = 1/(108 x -3e-6) and L_22 = -9259 = 1/(108 x -1e-6)
+# follow from M_max = 108 kg, and so do the gains: (4600 - 4573)/73 = (4600 - 4560)/108 = 0.370. Hence 80 kg.
+DRIVER_MASS_MIN = Quantity(45.0, "kg", "m_bmin", _TABLE_1)
+DRIVER_MASS_MAX = Quantity(80.0, "kg", "m_bmax", "from the published observer gains, Table 1 misprints 120 kg")
+
+OBSERVERS = {
+    1: Quantity(-3e-6, "s/kg2", "Gamma", "Table 1, Observer 1"),
+    2: Quantity(-1e-6, "s/kg2", "Gamma", "Table 1, Observer 2"),
+}
+"""The constants of the paper's two observers."""
+OBSERVER_GAIN = Quantity(0.0, "kg/s", "L_i", "equation 23 where 0")
+PUBLISHED_OBSERVER_GAINS = {1: (-4566.0, -3086.0), 2: (-13699.0, -9259.0)}
+"""L_1 and L_2 of Observers 1 and 2 as printed in section 3.2, in kg/s: what (23) is checked against."""
+
+K_1_DEFLECTION = Quantity(4573.0, "N/m", "K_1", "section 3.2")
+K_1_RATE = Quantity(-90.0, "N.s/m", "K_1", "section 3.2")
+K_2_DEFLECTION = Quantity(4560.0, "N/m", "K_2", "section 3.2")
+K_2_RATE = Quantity(-134.0, "N.s/m", "K_2", "section 3.2")
+
+RATE_FILTER_CUTOFF = Quantity(30.0, "Hz", "f_c", "assumed: the paper names a point by point low pass filter only")
+LINK_LENGTH = Quantity(0.30, "m", "L", "assumed, not given in the paper")
+INITIAL_HEIGHT = Quantity(0.20, "m", "h_0", "assumed, not given in the paper")
+GEAR_RATIO = Quantity(20.0, "1", "r_g", "section 3.1")

@@ -1,0 +1,164 @@
+"""The command line: results where they belong, exit codes, one line for each mistake."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import read_csv
+
+from cosim import cli
+
+
+class Shell:
+    """Runs commands in a folder that holds the FMUs."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], fmus: Path) -> None:
+        self.monkeypatch = monkeypatch
+        self.capfd = capfd
+        self.fmus = fmus.parent
+
+    def __call__(self, *words: str, fmus: bool = True) -> tuple[int, str, str]:
+        where = ["--fmus", str(self.fmus)] if fmus and words[:1] in (("run",), ("reproduce",)) else []
+        self.monkeypatch.setattr(sys, "argv", ["seat-cosim", *words, *where])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out, err = self.capfd.readouterr()
+        return int(end.value.code or 0), out, err
+
+
+@pytest.fixture
+def shell(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], fmus: Path, tmp_path: Path) -> Shell:
+    monkeypatch.chdir(tmp_path)
+    return Shell(monkeypatch, capfd, fmus)
+
+
+def test_reproduce_bump_writes_results_figures_and_table(shell: Shell, tmp_path: Path):
+    code, out, err = shell("reproduce", "bump")
+    assert (code, err) == (0, "")
+    for case in ("uncontrolled", "observer1", "observer2"):
+        table = read_csv(tmp_path / "results" / "bump" / case / "result.csv")
+        assert len(table["time"]) == 1501
+    names = sorted(path.name for path in (tmp_path / "results" / "bump").glob("*.png"))
+    assert names == ["fig05_driver_acceleration.png", "fig06_observers.png", "fig07_force.png"]
+    for number in ("3.21", "1.39", "1.24", "431.49", "837.96", "203.81", "597.95", "250.00", "75.33"):
+        assert number in out
+    assert "about 4" in out
+
+
+def test_reproduction_is_reproducible(shell: Shell, tmp_path: Path):
+    contents = []
+    for folder in ("one", "two"):
+        assert shell("reproduce", "bump", "--output", folder)[0] == 0
+        files = sorted(path for path in (tmp_path / folder).rglob("*") if path.is_file())
+        contents.append([path.read_bytes() for path in files])
+    assert len(contents[0]) == 6
+    assert contents[0] == contents[1]
+
+
+def test_run_takes_its_options_in_the_order_of_the_contract(shell: Shell, tmp_path: Path):
+    code, out, _ = shell(
+        "run",
+        "sine",
+        "--driver-mass",
+        "70",
+        "--observer",
+        "2",
+        "--set",
+        "controller.driver_mass=60",
+        "--stop-time",
+        "0.1",
+    )
+    assert code == 0
+    assert "51 rows" in out
+    folder = tmp_path / "results" / "run" / "sine"
+    assert {path.name for path in folder.iterdir()} == {"result.csv", "overview.png"}
+    assert shell("run", "sine", "--control", "off", "--stop-time", "0.1", "--output", "off")[0] == 0
+    assert not read_csv(tmp_path / "off" / "result.csv")["controller.force"].any()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["run", "bump", "--step-size", "0"], "step size: expected a finite number of seconds above 0, got 0.0"),
+        (["run", "bump", "--stop-time", "-1"], "stop time: expected a finite number of seconds above 0, got -1.0"),
+        (["run", "bump", "--set", "seat.driver_mass=nan"], "seat.driver_mass: expected a finite number, got nan"),
+        (["run", "bump", "--driver-mass", "-5"], "seat.driver_mass: expected a value in [1e-09, inf] kg, got -5.0"),
+        (["run", "bump", "--set", "seat.drivr_mass=5"], "did you mean driver_mass"),
+        (
+            ["run", "bump", "--set", "sead.driver_mass=5"],
+            "expected a component among shaker, seat, controller, got sead",
+        ),
+        (["run", "bump", "--set", "nonsense"], "--set nonsense: expected COMPONENT.VARIABLE=VALUE"),
+        (["run", "bump", "--observer", "3"], "'3' is not one of '1', '2'"),
+        (["run", "jump"], "'jump' is not one of"),
+        (["run"], "Missing argument"),
+        (["jump"], "No such command 'jump'"),
+        (["run", "bump", "--output", "/proc/nowhere"], "/proc/nowhere: expected a folder to write to, got"),
+    ],
+)
+def test_wrong_use_is_one_line_and_exit_code_2(shell: Shell, tmp_path: Path, words: list[str], said: str):
+    code, out, err = shell(*words)
+    assert code == 2
+    assert out == ""
+    assert err.startswith("seat-cosim: error: ")
+    assert said in err
+    assert err.count("\n") == 1
+    assert not list(tmp_path.rglob("result*"))
+
+
+def test_missing_fmus_are_told_with_the_remedy(shell: Shell):
+    code, _, err = shell("run", "bump", "--fmus", "nowhere", fmus=False)
+    assert code == 2
+    assert "expected Shaker.fmu, SeatPlant.fmu, SeatController.fmu, got no such file; run: seat-cosim build" in err
+
+
+def test_a_wrong_fmu_is_told(shell: Shell, tmp_path: Path):
+    folder = tmp_path / "wrong" / "python"
+    folder.mkdir(parents=True)
+    for name in ("Shaker", "SeatPlant", "SeatController"):
+        (folder / f"{name}.fmu").write_text("not a zip")
+    code, _, err = shell("run", "bump", "--fmus", "wrong", fmus=False)
+    assert code == 2
+    assert "Shaker.fmu: expected an FMU" in err
+
+
+def test_a_failing_run_is_exit_code_1_and_leaves_a_partial_result(shell: Shell, tmp_path: Path):
+    assert shell("run", "bump", "--stop-time", "0.1", "--output", "here")[0] == 0
+    words = ("run", "bump", "--set", "controller.driver_mass_min=100", "--output", "here")
+    code, out, err = shell(*words)
+    assert code == 1
+    assert out == ""
+    assert err.startswith("seat-cosim: error: controller: fmi2DoStep failed at t = 0 s (discard)")
+    assert "expected driver_mass_min < driver_mass_max, got 100.0 kg and 80.0 kg" in err
+    assert err.count("\n") == 1
+    assert [path.name for path in (tmp_path / "here").glob("result*")] == ["result.partial.csv"]
+
+
+def test_a_refused_run_leaves_an_earlier_result_alone(shell: Shell, tmp_path: Path):
+    assert shell("run", "bump", "--stop-time", "0.1", "--output", "here")[0] == 0
+    before = (tmp_path / "here" / "result.csv").read_bytes()
+    assert shell("run", "bump", "--step-size", "0", "--output", "here")[0] == 2
+    assert (tmp_path / "here" / "result.csv").read_bytes() == before
+
+
+def test_debug_shows_the_traceback_and_nothing_else_does(shell: Shell):
+    assert "Traceback" in shell("run", "bump", "--step-size", "0", "--debug")[2]
+    assert "Traceback" not in shell("run", "bump", "--step-size", "0")[2]
+
+
+def test_build_says_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
+    code, out, _ = shell("build", "--output", "here")
+    assert code == 0
+    assert out.count("built") == 3
+    assert (tmp_path / "here" / "python" / "SeatController.fmu").exists()
+    assert shell("build", "--output", "here")[1].count("up to date") == 3
+
+
+@pytest.mark.parametrize("command", [[], ["build"], ["run"], ["reproduce"]])
+def test_help_has_an_example(shell: Shell, command: list[str]):
+    code, out, _ = shell(*command, "--help", fmus=False)
+    assert code == 0
+    assert "Example" in out
+    assert "seat-cosim " in out.split("Example")[1]

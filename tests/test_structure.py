@@ -1,0 +1,183 @@
+"""Wiring a system: every mistake is one clear error that names both ends."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from cosim import SetupError, System
+from cosim.model import Model
+
+
+def edited(fmu: Path, target: Path, *replacements: tuple[str, str]) -> Path:
+    """Copy an FMU with another description."""
+    with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(target, "w") as copy:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "modelDescription.xml":
+                text = content.decode()
+                for old, new in replacements:
+                    assert old in text
+                    text = text.replace(old, new)
+                content = text.encode()
+            copy.writestr(name, content)
+    return target
+
+
+@pytest.fixture
+def pair(fmus: Path) -> System:
+    system = System()
+    system.add("shaker", fmus / "Shaker.fmu")
+    system.add("seat", fmus / "SeatPlant.fmu")
+    return system
+
+
+@pytest.mark.parametrize(
+    ("source", "sink", "problem"),
+    [
+        ("shaker.floor_displacement", "seat.floor_velocity", "expected two ends of one unit, got m and m/s"),
+        ("shaker.floor_displacment", "seat.floor_displacement", "did you mean floor_displacement"),
+        ("shaker.floor_displacement", "seat.floor", "seat.floor: expected a variable of SeatPlant.fmu, got none"),
+        ("shaker.bump.height", "seat.floor_displacement", "shaker.bump.height to be an output, got a parameter"),
+        ("shaker.floor_displacement", "seat.seat_displacement", "seat.seat_displacement to be an input, got a output"),
+        ("shaker.floor_displacement", "chair.floor", "expected a component among shaker, seat, got chair"),
+        ("shaker", "seat.force", "shaker: expected COMPONENT.VARIABLE"),
+    ],
+)
+def test_wrong_connections_are_refused(pair: System, source: str, sink: str, problem: str):
+    with pytest.raises(SetupError, match=problem):
+        pair.connect(source, sink)
+    assert not pair.connections
+
+
+def test_all_problems_of_a_connection_are_told_at_once(pair: System):
+    with pytest.raises(SetupError) as error:
+        pair.connect("shaker.bump.height", "seat.seat_acceleration")
+    assert len(error.value.problems) == 3
+    assert all("shaker.bump.height -> seat.seat_acceleration" in problem for problem in error.value.problems)
+
+
+def test_an_input_is_fed_once(pair: System):
+    pair.connect("shaker.floor_displacement", "seat.floor_displacement")
+    with pytest.raises(SetupError, match=r"got one that shaker\.floor_displacement feeds"):
+        pair.connect("shaker.floor_displacement", "seat.floor_displacement")
+
+
+def test_types_must_agree(fmus: Path, pair: System):
+    pair.add("controller", fmus / "SeatController.fmu")
+    with pytest.raises(SetupError, match="expected two ends of one numeric type, got Boolean and Real"):
+        pair.connect("controller.saturated", "seat.force")
+
+
+def test_one_dimension_in_two_units_is_refused(fmus: Path, tmp_path: Path, pair: System):
+    millimetres = edited(
+        fmus / "Shaker.fmu", tmp_path / "mm.fmu", ('<BaseUnit m="1"/>', '<BaseUnit m="1" factor="0.001"/>')
+    )
+    pair.add("other", millimetres)
+    with pytest.raises(
+        SetupError, match="other.floor_displacement -> seat.floor_displacement: expected two ends of one"
+    ):
+        pair.connect("other.floor_displacement", "seat.floor_displacement")
+
+
+def test_a_missing_unit_is_not_compared(fmus: Path, tmp_path: Path, pair: System):
+    pair.add("other", edited(fmus / "Shaker.fmu", tmp_path / "no.fmu", (' unit="m"', "")))
+    pair.connect("other.floor_displacement", "seat.floor_velocity")
+
+
+def test_component_names(fmus: Path, pair: System):
+    with pytest.raises(SetupError, match="component seat: expected a new name"):
+        pair.add("seat", fmus / "SeatPlant.fmu")
+    with pytest.raises(SetupError, match="expected a name without dots"):
+        pair.add("a.b", fmus / "SeatPlant.fmu")
+
+
+def test_files_that_are_no_fmus(fmus: Path, tmp_path: Path):
+    with pytest.raises(SetupError, match=r"nowhere\.fmu: expected an FMU, got no such file"):
+        Model.read(tmp_path / "nowhere.fmu")
+    (tmp_path / "text.fmu").write_text("hello")
+    with pytest.raises(SetupError, match="expected an FMU .a zip archive., got another kind of file"):
+        Model.read(tmp_path / "text.fmu")
+    with zipfile.ZipFile(tmp_path / "empty.fmu", "w") as archive:
+        archive.writestr("readme.txt", "nothing")
+    with pytest.raises(SetupError, match=r"expected a modelDescription\.xml in the archive, got none"):
+        Model.read(tmp_path / "empty.fmu")
+    with zipfile.ZipFile(tmp_path / "broken.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription")
+    with pytest.raises(SetupError, match=r"broken\.fmu: expected a readable modelDescription\.xml, got"):
+        Model.read(tmp_path / "broken.fmu")
+    shutil.copy(fmus / "Shaker.fmu", tmp_path / "cut.fmu")
+    with (tmp_path / "cut.fmu").open("r+b") as stream:
+        stream.truncate(1000)
+    with pytest.raises(SetupError, match="got another kind of file"):
+        Model.read(tmp_path / "cut.fmu")
+
+
+def test_other_kinds_of_fmus_are_refused(fmus: Path, tmp_path: Path):
+    one = edited(fmus / "Shaker.fmu", tmp_path / "one.fmu", ("CoSimulation", "ModelExchange"))
+    with pytest.raises(SetupError, match="expected FMI 2.0 for co-simulation, got FMI 2.0, no co-simulation"):
+        Model.read(one)
+
+
+def test_an_fmu_without_a_binary_for_this_platform_is_refused(fmus: Path, tmp_path: Path):
+    with zipfile.ZipFile(fmus / "Shaker.fmu") as archive, zipfile.ZipFile(tmp_path / "bare.fmu", "w") as copy:
+        copy.writestr("modelDescription.xml", archive.read("modelDescription.xml"))
+    with pytest.raises(SetupError, match=r"bare\.fmu: expected a binary for .*, got none"):
+        Model.read(tmp_path / "bare.fmu")
+
+
+def test_parameters_are_checked_together(pair: System):
+    with pytest.raises(SetupError) as error:
+        pair.check(
+            {
+                "seat.driver_mass": "heavy",
+                "seat.seat_mass": -1,
+                "seat.friction_A": 1,
+                "seat.friction_force": 1,
+                "shaker.profile": "jump",
+                "shaker.bump.speed": float("nan"),
+                "nobody.x": 1,
+                "plain": 1,
+            }
+        )
+    texts = error.value.problems
+    assert len(texts) == 8
+    assert "seat.driver_mass: expected a number, got heavy" in texts
+    assert "seat.seat_mass: expected a value in [1e-09, inf] kg, got -1" in texts
+    assert "seat.friction_force: expected a parameter or an input, got a output" in texts
+    assert "shaker.profile: expected one of bump, sine, got jump" in texts
+    assert "shaker.bump.speed: expected a finite number, got nan" in texts
+
+
+def test_parameters_are_converted(fmus: Path, pair: System):
+    pair.add("controller", fmus / "SeatController.fmu")
+    values = pair.check(
+        {"shaker.profile": "sine", "controller.enabled": "False", "seat.driver_mass": "70", "seat.force": 3}
+    )
+    assert values == {
+        "shaker": {"profile": 2.0},
+        "seat": {"driver_mass": 70.0, "force": 3.0},
+        "controller": {"enabled": 0.0},
+    }
+
+
+def test_a_connected_input_is_not_a_parameter(pair: System):
+    pair.connect("shaker.floor_displacement", "seat.floor_displacement")
+    with pytest.raises(SetupError, match=r"seat.floor_displacement: expected a free input, got one that"):
+        pair.check({"seat.floor_displacement": 1.0})
+
+
+def test_the_order_names_each_component_once(pair: System):
+    assert pair.order == ("shaker", "seat")
+    pair.order = ("seat", "shaker")
+    assert pair.order == ("seat", "shaker")
+    with pytest.raises(SetupError, match="order: expected each of shaker, seat once, got seat, seat"):
+        pair.order = ("seat", "seat")
+
+
+def test_only_outputs_are_recorded(pair: System):
+    with pytest.raises(SetupError, match="record seat.driver_mass: expected an output"):
+        pair.recorded(["seat.driver_mass"])
