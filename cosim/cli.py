@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 from rich.box import SIMPLE
-from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from cosim.cli_design import design
+from cosim.console import console, progress_shown, stderr
 from cosim.errors import CosimError, RunError, SetupError
 from cosim.model import Value
 from cosim.results import Result, clear
@@ -22,9 +20,6 @@ from cosim.scenarios import SCENARIOS, STEP_SIZE, control, driver_mass, observer
 from cosim.system import System
 
 FLAVOURS = ("python",)
-
-_console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-_stderr = Console(stderr=True, highlight=False)
 
 _fmus_option = click.option(
     "--fmus",
@@ -42,15 +37,6 @@ _mass_option = click.option(
 )
 
 
-@contextmanager
-def _progress(what: str) -> Iterator[Callable[[str], None]]:
-    """Show that something goes on, on a terminal; yields a function that changes the words."""
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=_stderr, transient=True, disable=not _stderr.is_terminal) as progress:
-        task = progress.add_task(what, total=None)
-        yield lambda text: progress.update(task, description=f"{what}: {text}")
-
-
 def _folder(folder: Path) -> Path:
     """Make a folder for results, or say why not."""
     try:
@@ -66,11 +52,20 @@ def _observer(number: int) -> dict[str, Value]:
     return observer(OBSERVERS[number].value)
 
 
+def _gains(name_or_file: str) -> dict[str, Value]:
+    from seat_controller_fmu.gains import GainsError, load
+
+    try:
+        return {f"controller.{name}": value for name, value in load(name_or_file).parameters().items()}
+    except GainsError as error:
+        raise SetupError(str(error)) from error
+
+
 def _finish(result: Result, folder: Path, stop_time: float) -> None:
     """Save a result; an incomplete one says how far it came and ends the command."""
     path = result.save(folder)
     for text in result.warnings:
-        _stderr.print(f"warning: {text}", markup=False, soft_wrap=True)
+        stderr.print(f"warning: {text}", markup=False, soft_wrap=True)
     if result.error is not None:
         reached = f"{len(result.time)} rows up to t = {result.time[-1]:g} s" if len(result.time) else "no rows"
         raise RunError(f"{result.error} ({reached} of {stop_time:g} s in {path})") from result.error
@@ -104,19 +99,23 @@ def build(output: Path) -> None:
 
     table = Table("FMU", "size", "state", box=None)
     try:
-        with _progress("building FMUs") as report:
+        with progress_shown("building FMUs") as report:
             for built in build_all(output):
                 report(built.path.name)
                 state = "built" if built.fresh else "up to date"
                 table.add_row(str(built.path), f"{built.path.stat().st_size / 1024:.0f} kB", state)
     except (BuildError, OSError) as error:
         raise RunError(str(error)) from error
-    _console.print(table)
+    console.print(table)
+
+
+app.add_command(design)
 
 
 @app.command()
 @click.argument("scenario", type=click.Choice(list(SCENARIOS)))
 @_mass_option
+@click.option("--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json.")
 @click.option("--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1].")
 @click.option("--control", "switch", type=click.Choice(["on", "off"]), help="Controller on or off [default: on].")
 @click.option("--set", "settings", multiple=True, metavar="COMPONENT.VARIABLE=VALUE", help="Any parameter; wins.")
@@ -128,6 +127,7 @@ def build(output: Path) -> None:
 def run(
     scenario: str,
     driver_mass: float | None,
+    gains: str | None,
     number: str | None,
     switch: str | None,
     settings: tuple[str, ...],
@@ -143,25 +143,27 @@ def run(
     Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s).
     Examples:
       seat-cosim run bump --driver-mass 70 --observer 2
+      seat-cosim run bump --driver-mass 110 --gains recommended
       seat-cosim run sine --set shaker.sine.frequency=2 --control off --output results/sine2
     """
     chosen = SCENARIOS[scenario]
     stop_time = chosen.stop_time if stop_time is None else stop_time
     system = seat_suspension(fmus_folder / flavour)
     parameters = dict(chosen.parameters)
+    parameters |= _gains(gains) if gains else {}
     parameters |= _observer(int(number)) if number else {}
     parameters |= control(switch == "on") if switch else {}
     parameters |= _driver(driver_mass)
     parameters |= _settings(settings)
     system.validate(stop_time, step_size, parameters)
     folder = _folder(output or Path("results", "run", scenario))
-    with _progress(f"running {scenario}") as report:
+    with progress_shown(f"running {scenario}") as report:
         result = system.simulate(
             stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s")
         )
     _finish(result, folder, stop_time)
     _overview(system, result, folder, scenario)
-    _console.print(f"{len(result.time)} rows and figure in {folder}")
+    console.print(f"{len(result.time)} rows and figure in {folder}")
 
 
 def _driver(mass: float | None) -> dict[str, Value]:
@@ -212,7 +214,7 @@ def reproduce(what: str, driver_mass: float | None, flavour: str, fmus_folder: P
     system.validate(SCENARIOS[what].stop_time, STEP_SIZE, _driver(mass))
     folders = {name: _folder(output / what / name) for name in cases}
     results: dict[str, Result] = {}
-    with _progress("bump") as report:
+    with progress_shown("bump") as report:
         for name, result in bump.run(system, cases, mass, lambda name, share: report(f"{name} {share:.0%}")):
             _finish(result, folders[name], SCENARIOS[what].stop_time)
             results[name] = result
@@ -220,8 +222,8 @@ def reproduce(what: str, driver_mass: float | None, flavour: str, fmus_folder: P
         figures = bump.draw_figures(output / what, results, cases, mass)
     _print_bump(bump, results, cases, system.start("controller.force_limit"), mass)
     for path in figures:
-        _console.print(f"figure {path}")
-    _console.print(f"results {output / what}/<case>/result.csv")
+        console.print(f"figure {path}")
+    console.print(f"results {output / what}/<case>/result.csv")
 
 
 def _print_bump(bump: Any, results: dict[str, Result], cases: dict[str, Any], force_limit: float, mass: float) -> None:
@@ -235,9 +237,9 @@ def _print_bump(bump: Any, results: dict[str, Result], cases: dict[str, Any], fo
     for measure in bump.measures(force_limit):
         values = [f"{measure.factor * measure.value(result):.2f}" for result in results.values()]
         table.add_row(measure.title, measure.unit, *values, measure.paper)
-    _console.print(table)
+    console.print(table)
     for note in bump.NOTES:
-        _console.print(f"- {note}", markup=False)
+        console.print(f"- {note}", markup=False)
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Figures of runs: curves over time, with labels and units."""
+"""Figures: curves over time or another axis, with labels and units."""
 
 from __future__ import annotations
 
@@ -28,11 +28,12 @@ _STYLE: Any = {
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve: its name in the legend, its values at the panel's times, and a matplotlib line style."""
+    """One curve: its name in the legend, its values, a matplotlib line style, and its own x where not the panel's."""
 
     name: str
     values: np.ndarray[Any, Any]
     style: Mapping[str, Any]
+    x: np.ndarray[Any, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -40,13 +41,13 @@ class Panel:
     """Axes with some curves; ``marks`` are horizontal lines by name, e.g. a limit."""
 
     label: str
-    time: np.ndarray[Any, Any]
+    x: np.ndarray[Any, Any]
     curves: Sequence[Curve]
     marks: Mapping[str, float]
 
 
-def draw(path: Path, title: str, panels: Sequence[Panel]) -> None:
-    """Draw panels over one time axis into a PNG.
+def draw(path: Path, title: str, panels: Sequence[Panel], x_label: str = "Time (s)", *, log: bool = False) -> None:
+    """Draw panels over one axis into a PNG.
 
     Parameters
     ----------
@@ -56,6 +57,10 @@ def draw(path: Path, title: str, panels: Sequence[Panel]) -> None:
         One line above.
     panels
         From top to bottom.
+    x_label
+        Of the common axis.
+    log
+        Whether both axes are logarithmic.
     """
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(
@@ -63,15 +68,19 @@ def draw(path: Path, title: str, panels: Sequence[Panel]) -> None:
         )
         for axis, panel in zip(axes[:, 0], panels, strict=True):
             for curve in panel.curves:
-                axis.plot(panel.time, curve.values, label=curve.name, **curve.style)
+                axis.plot(panel.x if curve.x is None else curve.x, curve.values, label=curve.name, **curve.style)
             for name, level in panel.marks.items():
                 axis.axhline(level, color="0.5", linestyle=":", linewidth=1.0, label=name)
             axis.set_ylabel(panel.label)
-            axis.set_xlim(panel.time[0], panel.time[-1])
+            axis.set_xlim(panel.x[0], panel.x[-1])
+            if log:
+                axis.set_xscale("log")
+                axis.set_yscale("log")
+                axis.grid(which="minor", alpha=0.15)
             if len(panel.curves) + len(panel.marks) > 1:
                 # above the axes, where it hides no curve
                 axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.0)
-        axes[-1, 0].set_xlabel("Time (s)")
+        axes[-1, 0].set_xlabel(x_label)
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
         figure.savefig(path, metadata={"Software": None})
         plt.close(figure)

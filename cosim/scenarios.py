@@ -97,8 +97,8 @@ def driver_mass(kilograms: float) -> dict[str, Value]:
 
 
 def observer(gamma: float) -> dict[str, Value]:
-    """Choose the observer by its constant Gamma, in s/kg2."""
-    return {"controller.observer_gamma": gamma}
+    """Choose the observer by its constant Gamma, in s/kg2, whatever gains it had."""
+    return {"controller.observer_gamma": gamma, "controller.L1": 0.0, "controller.L2": 0.0}
 
 
 def control(on: bool) -> dict[str, Value]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from conftest import read_csv
 
 from cosim import cli
+from seat_controller_fmu.gains import preset
 
 
 class Shell:
@@ -108,6 +110,72 @@ def test_wrong_use_is_one_line_and_exit_code_2(shell: Shell, tmp_path: Path, wor
     assert not list(tmp_path.rglob("result*"))
 
 
+def test_run_takes_gains_by_name_and_by_file(shell: Shell, tmp_path: Path):
+    results = {}
+    (tmp_path / "mine.json").write_text(preset("recommended").to_json())
+    for name in ("published", "recommended", "mine.json"):
+        assert shell("run", "bump", "--gains", name, "--stop-time", "0.4", "--output", f"of-{name}")[0] == 0
+        results[name] = (tmp_path / f"of-{name}" / "result.csv").read_bytes()
+    assert shell("run", "bump", "--stop-time", "0.4", "--output", "default")[0] == 0
+    assert (tmp_path / "default" / "result.csv").read_bytes() == results["published"]
+    assert results["recommended"] == results["mine.json"] != results["published"]
+
+
+def test_observer_wins_over_the_gains(shell: Shell, tmp_path: Path):
+    for gains in ("published", "recommended"):
+        words = ("--gains", gains, "--set", "controller.K1.rate=-90", "--stop-time", "0.1", "--output", gains)
+        assert shell("run", "bump", "--observer", "2", *words)[0] == 0
+    tables = [read_csv(tmp_path / gains / "result.csv") for gains in ("published", "recommended")]
+    # both observers are made of Gamma_2 now: the same first estimate but for the mass range
+    first = [table["controller.disturbance_estimate"][1] for table in tables]
+    assert first[0] == pytest.approx(first[1], rel=0.05)
+    assert abs(first[0]) > 5.0
+
+
+def test_design_certifies_a_preset(shell: Shell):
+    code, out, err = shell("design", "--gains", "published")
+    assert (code, err) == (0, "")
+    assert "4573.00" in out
+    assert "0.0231" in out
+    assert "0.0230" in out
+
+
+def test_design_writes_gains_that_run_and_certify(shell: Shell, tmp_path: Path):
+    words = ("--driver-mass-max", "120", "--observer-gains", "-4000", "-3500", "--no-pareto", "--output", "made")
+    assert shell("design", *words)[0] == 0
+    names = {path.name for path in (tmp_path / "made").iterdir()}
+    assert names == {"gains.json", "gains.ssv", "transmissibility.png", "delay_margin.png"}
+    assert shell("design", "--gains", "made/gains.json")[0] == 0
+    assert shell("run", "bump", "--gains", "made/gains.json", "--stop-time", "0.1")[0] == 0
+
+
+def test_gains_that_fail_the_certificate_are_told_with_exit_code_1(shell: Shell, tmp_path: Path):
+    wrong = json.loads(preset("published").to_json()) | {"K1": [4573.0, 90.0], "Q": None}
+    (tmp_path / "wrong.json").write_text(json.dumps(wrong))
+    code, out, err = shell("design", "--gains", "wrong.json")
+    assert code == 1
+    assert "Certificate" in out
+    assert "Xi_11: expected negative definite at lambda = 1.2" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--lambda", "0.01"], "expected lambda above alpha = 0.02, got 0.01"),
+        (["--driver-mass-min", "120", "--driver-mass-max", "45"], "expected driver_mass_min < driver_mass_max"),
+        (["--observer-gamma", "1e-6"], "expected an observer constant Gamma below 0 (a stable observer), got 1e-06"),
+        (["--observer-rate", "30"], "expected an observer gain below 0"),
+        (["--observer-rate", "-30", "--observer-gamma", "-1e-6"], "expected one of --observer-gamma"),
+        (["--gains", "best"], "gains: expected one of published"),
+    ],
+)
+def test_impossible_designs_are_one_line_and_exit_code_2(shell: Shell, words: list[str], said: str):
+    code, _, err = shell("design", *words)
+    assert code == 2
+    assert said in err
+    assert err.count("\n") == 1
+
+
 def test_missing_fmus_are_told_with_the_remedy(shell: Shell):
     code, _, err = shell("run", "bump", "--fmus", "nowhere", fmus=False)
     assert code == 2
@@ -156,7 +224,7 @@ def test_build_says_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path:
     assert shell("build", "--output", "here")[1].count("up to date") == 3
 
 
-@pytest.mark.parametrize("command", [[], ["build"], ["run"], ["reproduce"]])
+@pytest.mark.parametrize("command", [[], ["build"], ["run"], ["reproduce"], ["design"]])
 def test_help_has_an_example(shell: Shell, command: list[str]):
     code, out, _ = shell(*command, "--help", fmus=False)
     assert code == 0

@@ -35,3 +35,9 @@ RATE_FILTER_CUTOFF = Quantity(30.0, "Hz", "f_c", "assumed: the paper names a poi
 LINK_LENGTH = Quantity(0.30, "m", "L", "assumed, not given in the paper")
 INITIAL_HEIGHT = Quantity(0.20, "m", "h_0", "assumed, not given in the paper")
 GEAR_RATIO = Quantity(20.0, "1", "r_g", "section 3.1")
+
+# What the design starts from besides; c_0 is not given in the paper.
+ALPHA = Quantity(0.02, "1", "alpha", _TABLE_1)
+P_2 = Quantity(400.0, "1", "P_2", _TABLE_1)
+LAMBDA = Quantity(1.2, "1", "lambda", _TABLE_1)
+C_0 = Quantity(1.0, "1", "c_0", "assumed, not given in the paper")
