@@ -21,12 +21,12 @@ $(VENV)/python: Makefile
 	@touch $@
 
 $(VENV)/installed: $(VENV)/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native]"
 	@touch $@
 
 $(VENV)/installed-test: $(VENV)/installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native,test]"
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results fmus/python build dist *.egg-info
+	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python build dist *.egg-info

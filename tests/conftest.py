@@ -20,7 +20,7 @@ DATA = Path(__file__).parent / "data"
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of freshly built Python FMUs."""
     folder = tmp_path_factory.mktemp("fmus")
-    for _ in build(folder):
+    for _ in build(folder, ["python"]):
         pass
     return folder / "python"
 
