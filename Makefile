@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 .PHONY: run test test-all clean
 
 run: $(VENV)/installed
-	$(BIN)/seat-cosim build
+	$(BIN)/seat-cosim build --flavour fmi2
 	$(BIN)/seat-cosim reproduce bump
 
 test: $(VENV)/installed-test

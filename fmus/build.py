@@ -23,6 +23,8 @@ __all__ = ["COMPONENTS", "FLAVOURS", "PLATFORMS", "BuildError", "Built", "build"
 
 _PACKAGES = ("fmus", "plant_models", "seat_controller_fmu")
 _SLAVE_SCRIPT = Path(__file__).with_name("slave_script.py")
+
+
 def _source(module: str) -> Path | None:
     """Find a module's file; None for a name that is not a module but stands within one."""
     try:

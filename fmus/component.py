@@ -9,7 +9,6 @@ from typing import Any
 
 from fmus.variables import TIME, Terminal, Variable, variables_of
 
-
 SAME_TIME = 1e-9
 """Relative (above 1 s) or absolute (below, in s) distance within which two times are the same."""
 

@@ -141,10 +141,9 @@ def source_files(component: Component, standard: Standard, token: str) -> dict[s
         Name to content.
     """
     kernel = _kernel(component)
-    ours = (kernel, kernel.with_suffix(".h"))
-    ours += tuple(_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "component.h"))
-    theirs = tuple(_FMI_HEADERS / name for name in standard.headers)
-    files = {path.name: path.read_bytes() for path in (*ours, *theirs)}
+    glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "component.h")]
+    headers = [_FMI_HEADERS / name for name in standard.headers]
+    files = {path.name: path.read_bytes() for path in (kernel, kernel.with_suffix(".h"), *glue, *headers)}
     return {**files, "model.h": model_header(component, token).encode()}
 
 
@@ -208,7 +207,9 @@ def compile_binary(name: str, sources: dict[str, bytes], platform: Platform) -> 
         command += [*sorted(file for file in sources if file.endswith(".c")), "-o", library]
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if run.returncode or not (folder / library).exists():
-            raise BuildError(f"{name} for {platform.name}: zig ended with {run.returncode}: {run.stderr.strip()[-500:]}")
+            raise BuildError(
+                f"{name} for {platform.name}: zig ended with {run.returncode}: {run.stderr.strip()[-500:]}"
+            )
         return (folder / library).read_bytes()
 
 

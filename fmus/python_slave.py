@@ -20,6 +20,7 @@ from pythonfmu.enums import Fmi2Status
 from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME, Component, ParameterError
 from fmus.variables import Variable
 
+
 class ComponentSlave(Fmi2Slave):
     """An FMI 2.0 co-simulation slave made of a component.
 

@@ -104,7 +104,7 @@ fmi2Status fmi2Reset(fmi2Component c)
     {                                                                                                     \
         const Instance *it = c;                                                                           \
         const Status status = instance_read(c, __func__, type, vr, nvr, value);                           \
-        for (size_t i = 0; status == STATUS_OK && i < nvr; ++i) {                                         \
+        for (size_t i = 0; status != STATUS_ERROR && i < nvr; ++i) {                                         \
             value[i] = (kind)(conversion);                                                                \
         }                                                                                                 \
         return (fmi2Status)status;                                                                        \

@@ -145,7 +145,7 @@ fmi3Status fmi3Reset(fmi3Instance instance)
         if (status == STATUS_OK) {                                                                        \
             status = instance_read(instance, __func__, type, valueReferences, count, values);             \
         }                                                                                                 \
-        for (size_t i = 0; status == STATUS_OK && i < count; ++i) {                                       \
+        for (size_t i = 0; status != STATUS_ERROR && i < count; ++i) {                                       \
             const double value = it->values[valueReferences[i]];                                          \
             values[i] = (kind)(conversion);                                                               \
         }                                                                                                 \

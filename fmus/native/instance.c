@@ -26,16 +26,31 @@ static void say(const Instance *it, Status status, const char *message)
     }
 }
 
+static void report(const Instance *it, Status status, const char *function, const char *format, va_list arguments)
+{
+    char message[MESSAGE_SIZE];
+    const int length = snprintf(message, sizeof message, "%s: ", function);
+    vsnprintf(message + length, sizeof message - (size_t)length, format, arguments);
+    say(it, status, message);
+}
+
+/* Log a problem as a warning or an error, and return that status. */
+static Status complain(const Instance *it, Status status, const char *function, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    report(it, status, function, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
 Status instance_fail(const Instance *it, const char *function, const char *format, ...)
 {
     if (it != NULL) {
-        char message[MESSAGE_SIZE];
         va_list arguments;
-        const int length = snprintf(message, sizeof message, "%s: ", function);
         va_start(arguments, format);
-        vsnprintf(message + length, sizeof message - (size_t)length, format, arguments);
+        report(it, STATUS_ERROR, function, format, arguments);
         va_end(arguments);
-        say(it, STATUS_ERROR, message);
     }
     return STATUS_ERROR;
 }
@@ -190,8 +205,8 @@ Status instance_enter_initialisation(Instance *it, const char *function)
     return status;
 }
 
-/* Derive the coefficients of the parameters as they are now. */
-static Status prepare(Instance *it, const char *function)
+/* Derive the coefficients of the parameters as they are now; a contradiction between them has the given status. */
+static Status prepare(Instance *it, const char *function, Status failure)
 {
     char message[MESSAGE_SIZE];
     if (it->prepared) {
@@ -202,7 +217,7 @@ static Status prepare(Instance *it, const char *function)
     const char *problem = model_prepare(&parameters, &coefficients);
     if (problem != NULL) {
         explain(it, problem, message);
-        return instance_fail(it, function, "%s", message);
+        return complain(it, failure, function, "%s", message);
     }
     it->coefficients = coefficients;
     it->prepared = true;
@@ -215,23 +230,25 @@ static Status prepare(Instance *it, const char *function)
     return STATUS_OK;
 }
 
-static Status check_finite(const Instance *it, const char *function, const double values[], size_t first, size_t count)
+static Status check_finite(const Instance *it, const char *function, Status failure, const double values[],
+                           size_t first, size_t count)
 {
     for (size_t i = first; i < first + count; ++i) {
         if (!isfinite(values[i])) {
-            return instance_fail(it, function, "%s: expected a finite number, got %g at t = %.10g s",
-                                 variables[i].name, values[i], it->values[0]);
+            return complain(it, failure, function, "%s: expected a finite number, got %g at t = %.10g s",
+                            variables[i].name, values[i], it->values[0]);
         }
     }
     return STATUS_OK;
 }
 
-/* Compute the state and the outputs at the start, from inputs and parameters as they are now. */
-static Status initialise(Instance *it, const char *function)
+/* Compute the state and the outputs at the start, from inputs and parameters as they are now; where they do not allow it,
+ * return the given status and leave everything as it was. */
+static Status initialise(Instance *it, const char *function, Status failure)
 {
-    if (check_finite(it, function, it->values, FIRST_INPUT, INPUT_COUNT) != STATUS_OK ||
-        prepare(it, function) != STATUS_OK) {
-        return STATUS_ERROR;
+    if (check_finite(it, function, failure, it->values, FIRST_INPUT, INPUT_COUNT) != STATUS_OK ||
+        prepare(it, function, failure) != STATUS_OK) {
+        return failure;
     }
     const ModelInputs inputs = model_inputs(it->values);
     ModelOutputs outputs;
@@ -243,7 +260,7 @@ static Status initialise(Instance *it, const char *function)
 
 Status instance_exit_initialisation(Instance *it, const char *function)
 {
-    if (check_call(it, function, CALL_EXIT) != STATUS_OK || initialise(it, function) != STATUS_OK) {
+    if (check_call(it, function, CALL_EXIT) != STATUS_OK || initialise(it, function, STATUS_ERROR) != STATUS_OK) {
         return STATUS_ERROR;
     }
     it->phase = PHASE_STEPPING;
@@ -260,13 +277,13 @@ static Status check_step(Instance *it, const char *function, double time, double
         return instance_fail(it, function, "expected a step size above 0 and up to %.10g s, got %.10g s at t = %.10g s",
                              LONGEST_STEP, step_size, time);
     }
-    return check_finite(it, function, it->values, FIRST_INPUT, INPUT_COUNT);
+    return check_finite(it, function, STATUS_ERROR, it->values, FIRST_INPUT, INPUT_COUNT);
 }
 
 Status instance_step(Instance *it, const char *function, double time, double step_size)
 {
     if (check_call(it, function, CALL_STEP) != STATUS_OK || check_step(it, function, time, step_size) != STATUS_OK ||
-        prepare(it, function) != STATUS_OK) {
+        prepare(it, function, STATUS_ERROR) != STATUS_OK) {
         return STATUS_ERROR;
     }
     const ModelInputs inputs = model_inputs(it->values);
@@ -275,7 +292,7 @@ Status instance_step(Instance *it, const char *function, double time, double ste
     double values[VARIABLE_COUNT];
     model_advance(&state, &inputs, &it->coefficients, time, step_size, &outputs);
     model_store_outputs(&outputs, values);
-    if (check_finite(it, function, values, FIRST_OUTPUT, OUTPUT_COUNT) != STATUS_OK) {
+    if (check_finite(it, function, STATUS_ERROR, values, FIRST_OUTPUT, OUTPUT_COUNT) != STATUS_OK) {
         return STATUS_ERROR;
     }
     it->state = state;
@@ -340,7 +357,8 @@ Status instance_read(Instance *it, const char *function, Type type, const uint32
     if (it->outputs_due && (it->phase == PHASE_INSTANTIATED || it->phase == PHASE_INITIALISING)) {
         for (size_t i = 0; i < count; ++i) {
             if (variables[references[i]].causality == CAUSALITY_OUTPUT) {
-                return initialise(it, function);
+                /* values that contradict one another may still be mended before initialisation ends */
+                return initialise(it, function, STATUS_WARNING);
             }
         }
     }

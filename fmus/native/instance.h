@@ -65,7 +65,8 @@ Status instance_step(Instance *it, const char *function, double time, double ste
 Status instance_terminate(Instance *it, const char *function);
 Status instance_reset(Instance *it, const char *function);
 
-/* Check that values of a type can be read into an array, and bring outputs up to date; then read `values`. */
+/* Check that values of a type can be read into an array, and bring outputs up to date, which before the end of the
+ * initialisation may not be possible: a warning. Unless that is an error, read `values` then. */
 Status instance_read(Instance *it, const char *function, Type type, const uint32_t references[], size_t count,
                      const void *values);
 /* Check the same for writing; then write one by one. */
