@@ -127,7 +127,6 @@ static void sample(seat_controller_state *state, const seat_controller_inputs *i
         u = c->deflection_gain * delta + c->rate_gain_K * v + F_hat;                            /* (24) */
         u_sat = u < -c->limit ? -c->limit : u > c->limit ? c->limit : u;                        /* (6) */
     }
-    state->next_sample += 1.0;
     state->started = true;
     state->deflection = flushed(delta);
     state->rate = flushed(v);
@@ -167,6 +166,7 @@ void seat_controller_advance(seat_controller_state *state, const seat_controller
     const double end = ceil((time + step_size) / coefficients->sample_time - same_sample);
     while (state->next_sample < end) {
         sample(state, inputs, coefficients);
+        state->next_sample += 1.0;
     }
     held_outputs(state, coefficients, outputs);
 }
