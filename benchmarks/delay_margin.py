@@ -38,7 +38,7 @@ def largest(stable: Callable[[int], bool], guess: int, most: int = 60) -> int:
 
 def main() -> None:
     """Print the table."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "fmus/python")
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "fmus/fmi2")
     table = Table("driver (kg)", *(f"{mass:g}" for mass in MASSES), title="Delay margin in ms")
     kick, whole = bump(8.0, height=0.001), bump(6.0)
     with Rig(folder) as rig:

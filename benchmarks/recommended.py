@@ -41,7 +41,7 @@ def compare(rig: Rig, floor: Floor) -> dict[str, np.ndarray]:
 
 def main() -> None:
     """Print the table."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "fmus/python")
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "fmus/fmi2")
     floors = {"bump": bump(3.0), "noise 0.9-11 Hz, 1.2 m/s2": noise(12.0, 1.2, (0.9, 11.0), seed=1)}
     console = Console(width=150)
     with Rig(folder) as rig:

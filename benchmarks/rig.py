@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cosim.instance import Instance, extract
+from cosim.instance import Instance, extract, instantiate
 from cosim.model import Model
 
 Array = np.ndarray[Any, Any]
@@ -70,7 +70,7 @@ class Rig:
     Parameters
     ----------
     fmus
-        Folder of ``SeatPlant.fmu`` and ``SeatController.fmu``.
+        Folder of ``SeatPlant.fmu`` and ``SeatController.fmu``, of FMI 2.0.
     """
 
     def __init__(self, fmus: Path) -> None:
@@ -81,7 +81,7 @@ class Rig:
             folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
             model = Model.read(fmus / f"{fmu}.fmu")
             extract(model, folder)
-            instance = Instance(name, model, folder)
+            instance = instantiate(name, model, folder)
             self._stack.callback(instance.free)
             self._instances[name] = instance
             self._references |= {f"{name}.{v.name}": v.valueReference for v in model.description.modelVariables}

@@ -19,7 +19,7 @@ from cosim.results import Result, clear
 from cosim.scenarios import SCENARIOS, STEP_SIZE, control, driver_mass, observer, seat_suspension
 from cosim.system import System
 
-FLAVOURS = ("python",)
+FLAVOURS = ("fmi2", "fmi3", "python")
 
 _fmus_option = click.option(
     "--fmus",
@@ -86,21 +86,31 @@ def app(debug: bool) -> None:
 
 
 @app.command()
+@click.option("--flavour", type=click.Choice(FLAVOURS), multiple=True, help="Which FMUs to build [default: all].")
+@click.option(
+    "--platforms", default="", metavar="NAMES", help="all, or names with commas between [default: this machine's]."
+)
 @click.option("--output", type=click.Path(path_type=Path), default=Path("fmus"), show_default=True, help="Where to.")
-def build(output: Path) -> None:
+def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
     """Build the FMUs; those whose content has not changed are left alone.
 
     \b
-    Example:
+    Flavours: fmi2 and fmi3 are native, for FMI 2.0 and 3.0; python is FMI 2.0 and needs Python in the host.
+    Platforms: x86_64-linux, aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin.
+    Examples:
       seat-cosim build
+      seat-cosim build --flavour fmi3 --platforms all
     """
-    from fmus.build import BuildError
+    from fmus.build import PLATFORMS, BuildError
     from fmus.build import build as build_all
 
     table = Table("FMU", "size", "state", box=None)
+    chosen = tuple(PLATFORMS) if platforms == "all" else tuple(filter(None, platforms.split(",")))
+    if unknown := [name for name in chosen if name not in PLATFORMS]:
+        raise SetupError(f"--platforms {platforms}: expected all or names of {', '.join(PLATFORMS)}, got {unknown[0]}")
     try:
         with progress_shown("building FMUs") as report:
-            for built in build_all(output):
+            for built in build_all(output, flavour or FLAVOURS, chosen):
                 report(built.path.name)
                 state = "built" if built.fresh else "up to date"
                 table.add_row(str(built.path), f"{built.path.stat().st_size / 1024:.0f} kB", state)

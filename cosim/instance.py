@@ -1,48 +1,33 @@
-"""One running FMU: fmpy's slave with its log, its buffers, and an end that comes whatever happens."""
+"""One running FMU: fmpy's slave with its log, its buffers, and an end that comes whatever happens.
+
+:class:`Instance` is the same for all versions of FMI; what differs stands in one small class for each version.
+"""
 
 from __future__ import annotations
 
 import ctypes
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException, printLogMessage
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelVariable
 
 from cosim.errors import RunError, SetupError
-from cosim.model import Model
-
-_ACCESS = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean", "String": "String"}
-_C_TYPES: dict[str, Any] = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
+from cosim.model import KINDS, Model
 
 _WARNING, _FATAL = 1, 4
 _STATUS = dict(enumerate(("ok", "warning", "discard", "error", "fatal", "pending")))
-
-_journals: dict[int, deque[tuple[int, str]]] = {}
-_environments = count(1)
-
-
-@fmi2CallbackLoggerTYPE  # type: ignore[untyped-decorator]
-def _log(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
-    """Write an FMU's message into its instance's journal; fmpy has one logger per process, so ours serves all."""
-    if environment in _journals:
-        _journals[environment].append((status, message.decode(errors="replace")))
-    else:
-        printLogMessage(environment, name, status, category, message)
-
-
-_proxy = fmi2CallbackFunctions()
-_proxy.logger = _log
-addLoggerProxy(ctypes.byref(_proxy))  # formats the variable arguments, which ctypes cannot
 
 
 @dataclass(frozen=True)
@@ -53,10 +38,10 @@ class Port:
     ----------
     access
         fmpy's getter or setter.
-    references
-        C array of value references.
+    arguments
+        What it is called with: instance, value references, pointers to ``buffer``, sizes.
     buffer
-        C array the FMU reads or writes.
+        What the FMU reads or writes.
     table
         The values of all components' outputs.
     places
@@ -64,15 +49,18 @@ class Port:
     """
 
     access: Callable[..., int]
-    references: Any
+    arguments: tuple[Any, ...]
     buffer: np.ndarray[Any, Any]
-    pointer: Any
     table: np.ndarray[Any, Any]
     places: np.ndarray[Any, Any]
 
+    def call(self) -> None:
+        """Move the values between the FMU and the buffer."""
+        self.access(*self.arguments)
 
-class Instance:
-    """An instantiated FMU.
+
+class Instance(ABC):
+    """An instantiated FMU; made by :func:`instantiate`.
 
     Parameters
     ----------
@@ -84,36 +72,60 @@ class Instance:
         Where the FMU was extracted.
     """
 
+    PREFIX: ClassVar[str]
+    """What the names of the version's functions begin with."""
+
+    SLAVE: ClassVar[Any]
+    """fmpy's class."""
+
+    C_TYPES: ClassVar[Mapping[str, Any]]
+    """Name of an access (``Real`` of ``getReal``) to the C type of its values."""
+
+    ACCESS: ClassVar[Mapping[str, str]]
+    """Type of a variable to the name of its access, where they differ."""
+
     def __init__(self, name: str, model: Model, folder: Path) -> None:
         self.name = name
         self.model = model
         self.journal: deque[tuple[int, str]] = deque(maxlen=1000)
-        self._environment = next(_environments)
-        _journals[self._environment] = self.journal
-        self._callbacks = fmi2CallbackFunctions()
-        self._callbacks.logger = _proxy.logger
-        self._callbacks.allocateMemory = defaultCallbacks.allocateMemory
-        self._callbacks.freeMemory = defaultCallbacks.freeMemory
-        self._callbacks.componentEnvironment = self._environment
         self._inputs: list[Port] = []
         self._outputs: list[Port] = []
         self._initialised = False
         self._dead = False
         self.fmu: Any = None
         with self.calling("load"):
-            self.fmu = FMU2Slave(
+            self.fmu = self.SLAVE(
                 guid=model.description.guid,
                 modelIdentifier=model.description.coSimulation.modelIdentifier,
                 unzipDirectory=str(folder),
                 instanceName=name,
             )
         try:
-            with self.calling("fmi2Instantiate"):
-                self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+            with self.calling("instantiate"):
+                self._instantiate()
         except RunError:
             self.fmu.freeLibrary()
-            _journals.pop(self._environment)
+            self._forget()
             raise
+
+    # ---- what differs between versions -------------------------------------------------------------------------------
+
+    @abstractmethod
+    def _instantiate(self) -> None:
+        """Make the instance, its messages going to the journal."""
+
+    @abstractmethod
+    def _begin(self, stop_time: float, values: Mapping[str, float | str]) -> None:
+        """Set values and begin the initialisation of a run from 0 to ``stop_time``, in s."""
+
+    @abstractmethod
+    def _do_step(self, time: float, step_size: float) -> None:
+        """Step from ``time`` by ``step_size``, both in s."""
+
+    def _forget(self) -> None:  # noqa: B027
+        """Let go of what outlives the instance."""
+
+    # ---- failures ----------------------------------------------------------------------------------------------------
 
     @contextmanager
     def calling(self, call: str) -> Iterator[None]:
@@ -160,36 +172,44 @@ class Instance:
         self._inputs = [self._port("Set", kind, table, places) for kind, places in self._by_kind(inputs)]
 
     def _by_kind(self, places: Mapping[str, int]) -> Iterator[tuple[str, dict[int, int]]]:
-        for kind in _C_TYPES:
+        for kind in self.C_TYPES:
             found = {
                 self.model.variables[name].valueReference: place
                 for name, place in places.items()
-                if _ACCESS[self.model.variables[name].type] == kind
+                if self._access(self.model.variables[name]) == kind
             }
             if found:
                 yield kind, found
 
+    def _access(self, variable: ModelVariable) -> str:
+        return self.ACCESS.get(variable.type, str(variable.type))
+
     def _port(self, direction: str, kind: str, table: np.ndarray[Any, Any], places: Mapping[int, int]) -> Port:
-        buffer = np.zeros(len(places), dtype=np.dtype(_C_TYPES[kind]))
+        buffer = np.zeros(len(places), dtype=np.dtype(self.C_TYPES[kind]))
+        references = (ctypes.c_uint * len(places))(*places)
+        pointer = buffer.ctypes.data_as(ctypes.POINTER(self.C_TYPES[kind]))
         return Port(
-            access=getattr(self.fmu, f"fmi2{direction}{kind}"),
-            references=(ctypes.c_uint * len(places))(*places),
+            access=getattr(self.fmu, f"{self.PREFIX}{direction}{kind}"),
+            arguments=self._arguments(references, len(places), pointer),
             buffer=buffer,
-            pointer=buffer.ctypes.data_as(ctypes.POINTER(_C_TYPES[kind])),
             table=table,
             places=np.array(list(places.values())),
         )
+
+    def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
+        """Order the arguments of a getter or setter."""
+        return (self.fmu.component, references, count, pointer)
 
     def take_inputs(self) -> None:
         """Set all connected inputs from the table of values."""
         for port in self._inputs:
             port.buffer[:] = port.table[port.places]
-            port.access(self.fmu.component, port.references, len(port.buffer), port.pointer)
+            port.call()
 
     def give_outputs(self) -> None:
         """Get all outputs into the table of values."""
         for port in self._outputs:
-            port.access(self.fmu.component, port.references, len(port.buffer), port.pointer)
+            port.call()
             port.table[port.places] = port.buffer
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
@@ -208,15 +228,13 @@ class Instance:
             if self._initialised:
                 self.fmu.reset()
             self._initialised = True
-            self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
-            for name, value in values.items():
-                self._set(self.model.variables[name], value)
-            self.fmu.enterInitializationMode()
+            self._begin(stop_time, values)
 
-    def _set(self, variable: ModelVariable, value: float | str) -> None:
-        kind = _ACCESS[variable.type]
-        given = {"Real": float, "Integer": int, "Boolean": int, "String": str}[kind](value)  # type: ignore[operator]
-        getattr(self.fmu, f"set{kind}")([variable.valueReference], [given])
+    def _set(self, values: Mapping[str, float | str]) -> None:
+        for name, value in values.items():
+            variable = self.model.variables[name]
+            given = {"Real": float, "Boolean": bool, "String": str}.get(KINDS[variable.type], int)(value)
+            getattr(self.fmu, f"set{self._access(variable)}")([variable.valueReference], [given])
 
     def finish_initialisation(self) -> None:
         """Leave the initialisation."""
@@ -226,23 +244,126 @@ class Instance:
     def step(self, time: float, step_size: float) -> None:
         """Take inputs, step from ``time`` by ``step_size`` (both in s), give outputs."""
         self.take_inputs()
-        self.fmu.fmi2DoStep(self.fmu.component, time, step_size, 1)
+        self._do_step(time, step_size)
         self.give_outputs()
 
     def terminate(self) -> None:
         """End a run."""
         if self._initialised and not self._dead:
-            with self.calling("fmi2Terminate"):
+            with self.calling("terminate"):
                 self.fmu.terminate()
 
     def free(self) -> None:
         """Free the instance and unload its library; after a fatal error FMI forbids the first."""
         with suppress(Exception):
             if not self._dead:
-                self.fmu.fmi2FreeInstance(self.fmu.component)
+                getattr(self.fmu, f"{self.PREFIX}FreeInstance")(self.fmu.component)
         with suppress(Exception):
             self.fmu.freeLibrary()
+        self._forget()
+
+
+# ---- FMI 2 -----------------------------------------------------------------------------------------------------------
+
+_journals: dict[int, deque[tuple[int, str]]] = {}
+_environments = count(1)
+
+
+@fmi2CallbackLoggerTYPE  # type: ignore[untyped-decorator]
+def _log(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    """Write an FMU's message into its instance's journal; fmpy has one logger per process, so ours serves all."""
+    if environment in _journals:
+        _journals[environment].append((status, message.decode(errors="replace")))
+    else:
+        printLogMessage(environment, name, status, category, message)
+
+
+_proxy = fmi2CallbackFunctions()
+_proxy.logger = _log
+addLoggerProxy(ctypes.byref(_proxy))  # formats the variable arguments, which ctypes cannot
+
+
+class Instance2(Instance):
+    """An instance of an FMI 2.0 FMU."""
+
+    PREFIX = "fmi2"
+    SLAVE = FMU2Slave
+    C_TYPES: ClassVar = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
+    ACCESS: ClassVar = {"Enumeration": "Integer"}
+
+    def _instantiate(self) -> None:
+        self._environment = next(_environments)
+        _journals[self._environment] = self.journal
+        self._callbacks = fmi2CallbackFunctions()
+        self._callbacks.logger = _proxy.logger
+        self._callbacks.allocateMemory = defaultCallbacks.allocateMemory
+        self._callbacks.freeMemory = defaultCallbacks.freeMemory
+        self._callbacks.componentEnvironment = self._environment
+        self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+
+    def _begin(self, stop_time: float, values: Mapping[str, float | str]) -> None:
+        self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
+        self._set(values)
+        self.fmu.enterInitializationMode()
+
+    def _do_step(self, time: float, step_size: float) -> None:
+        self.fmu.fmi2DoStep(self.fmu.component, time, step_size, 1)
+
+    def _forget(self) -> None:
         _journals.pop(self._environment, None)
+
+
+# ---- FMI 3 -----------------------------------------------------------------------------------------------------------
+
+
+class Instance3(Instance):
+    """An instance of an FMI 3.0 FMU, without event mode and early return."""
+
+    PREFIX = "fmi3"
+    SLAVE = FMU3Slave
+    C_TYPES: ClassVar = {
+        "Float32": ctypes.c_float,
+        "Float64": ctypes.c_double,
+        **{
+            f"{sign}Int{bits}": getattr(ctypes, f"c_{sign.lower()}int{bits}")
+            for sign in ("", "U")
+            for bits in (8, 16, 32, 64)
+        },
+        "Boolean": ctypes.c_bool,
+    }
+    ACCESS: ClassVar = {"Enumeration": "Int64"}
+
+    def _instantiate(self) -> None:
+        self._flags = [ctypes.c_bool() for _ in ("event handling needed", "terminate", "early return")]
+        self._reached = ctypes.c_double()
+        self.fmu.instantiate(loggingOn=True, logMessage=self._log)
+
+    def _log(self, environment: int | None, status: int, category: bytes, message: bytes) -> None:
+        self.journal.append((status, message.decode(errors="replace")))
+
+    def _begin(self, stop_time: float, values: Mapping[str, float | str]) -> None:
+        self._set(values)
+        self.fmu.enterInitializationMode(startTime=0.0, stopTime=stop_time)
+
+    def _do_step(self, time: float, step_size: float) -> None:
+        flags = [ctypes.byref(flag) for flag in self._flags]
+        self.fmu.fmi3DoStep(self.fmu.component, time, step_size, True, *flags, ctypes.byref(self._reached))
+        if self._flags[1].value:
+            raise RunError(f"{self.name}: asked to end the run at t = {self._reached.value:g} s")
+
+    def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
+        return (*super()._arguments(references, count, pointer), count)
+
+
+def instantiate(name: str, model: Model, folder: Path) -> Instance:
+    """Load an FMU and make an instance of it; parameters as those of :class:`Instance`.
+
+    Raises
+    ------
+    RunError
+        If it cannot be loaded or refuses to be instantiated.
+    """
+    return {2: Instance2, 3: Instance3}[model.description.fmiMajorVersion](name, model, folder)
 
 
 def extract(model: Model, folder: Path) -> None:

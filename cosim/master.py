@@ -91,6 +91,6 @@ def gauss_seidel(order: Sequence[Instance], clock: Clock, observers: Iterable[Ob
             except RunError:
                 raise
             except Exception as error:
-                raise instance.failure(error, "fmi2DoStep", time) from error
+                raise instance.failure(error, "step", time) from error
         for observer in observers:
             observer.after(tick)

@@ -18,6 +18,17 @@ Value = float | bool | str
 """A parameter's value as a user gives it: enumerations by item name or number."""
 
 
+KINDS = {
+    **dict.fromkeys(("Real", "Float32", "Float64"), "Real"),
+    **dict.fromkeys(("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))), "Integer"),
+    **{kind: kind for kind in ("Enumeration", "Boolean", "String", "Binary", "Clock")},
+}
+"""Type of a variable, in FMI 2 or 3, to the kind of its values."""
+
+NUMERIC = ("Real", "Integer", "Enumeration", "Boolean")
+"""Kinds of values that fit into a table of numbers."""
+
+
 def nearest(name: str, names: Iterable[str]) -> str:
     """Return a hint at the names most like one that does not exist, or an empty string."""
     close = get_close_matches(name, list(names), n=3, cutoff=0.5)
@@ -54,7 +65,7 @@ class Model:
         Raises
         ------
         SetupError
-            If there is no such file, it is no FMU, or not one of FMI 2.0 for co-simulation.
+            If there is no such file, it is no FMU, or not one of FMI 2.0 or 3.0 for co-simulation.
         """
         path = Path(path)
         if not path.is_file():
@@ -67,9 +78,11 @@ class Model:
             raise SetupError(f"{path}: expected a modelDescription.xml in the archive, got none") from None
         except Exception as error:  # whatever fmpy stumbles over in a foreign file
             raise SetupError(f"{path}: expected a readable modelDescription.xml, got: {error}") from error
-        if description.fmiVersion != "2.0" or description.coSimulation is None:
+        if description.fmiMajorVersion not in (2, 3) or description.coSimulation is None:
             kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
-            raise SetupError(f"{path}: expected FMI 2.0 for co-simulation, got FMI {description.fmiVersion}, {kind}")
+            raise SetupError(
+                f"{path}: expected FMI 2.0 or 3.0 for co-simulation, got FMI {description.fmiVersion}, {kind}"
+            )
         if fmpy.platform not in fmpy.supported_platforms(str(path)):
             platforms = ", ".join(fmpy.supported_platforms(str(path))) or "none"
             raise SetupError(f"{path}: expected a binary for {fmpy.platform}, got {platforms}")
@@ -78,7 +91,7 @@ class Model:
     @property
     def outputs(self) -> list[ModelVariable]:
         """Outputs that are numbers or Booleans, in order."""
-        return [v for v in self.variables.values() if v.causality == "output" and v.type != "String"]
+        return [v for v in self.variables.values() if v.causality == "output" and KINDS[v.type] in NUMERIC]
 
     def variable(self, component: str, name: str) -> ModelVariable:
         """Look up a variable.
@@ -169,6 +182,6 @@ def _number(variable: ModelVariable, where: str, given: Value) -> float:
         number = float(text)
     except ValueError:
         raise SetupError(f"{where}: expected {expected}, got {given}") from None
-    if (items and number not in items.values()) or (variable.type == "Integer" and not number.is_integer()):
+    if (items and number not in items.values()) or (KINDS[variable.type] == "Integer" and not number.is_integer()):
         raise SetupError(f"{where}: expected {expected if items else 'a whole number'}, got {given}")
     return number

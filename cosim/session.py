@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import CosimError, RunError
-from cosim.instance import Instance, extract
+from cosim.instance import Instance, extract, instantiate
 from cosim.master import Clock, Observer, gauss_seidel
 from cosim.model import Value
 from cosim.results import Result
@@ -110,7 +110,7 @@ class Session:
             for name, model in self._system.models.items():
                 folder = self._stack.enter_context(tempfile.TemporaryDirectory(prefix=f"seat-cosim-{name}-"))
                 extract(model, Path(folder))
-                instance = Instance(name, model, Path(folder))
+                instance = instantiate(name, model, Path(folder))
                 self._stack.callback(instance.free)
                 self._instances[name] = instance
                 instance.wire(

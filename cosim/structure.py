@@ -9,9 +9,7 @@ from typing import NamedTuple
 from fmpy.model_description import ModelVariable
 
 from cosim.errors import SetupError
-from cosim.model import Model, Value, nearest
-
-_NUMERIC = ("Real", "Integer", "Enumeration", "Boolean")
+from cosim.model import KINDS, NUMERIC, Model, Value, nearest
 
 
 class Port(NamedTuple):
@@ -107,7 +105,7 @@ class Structure:
         """Compare type and unit of two ends; a unit that is missing or undefined at one end is not compared."""
         (model_out, out), (model_in, in_) = ((self.models[p.component], self._variable(p)) for p in (source, sink))
         problems = []
-        if out.type != in_.type or out.type not in _NUMERIC:
+        if KINDS[out.type] != KINDS[in_.type] or KINDS[out.type] not in NUMERIC:
             problems.append(f"{between}: expected two ends of one numeric type, got {out.type} and {in_.type}")
         dimensions = model_out.dimension(out), model_in.dimension(in_)
         if None not in dimensions and dimensions[0] != dimensions[1]:

@@ -9,46 +9,20 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import zipfile
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
-import fmpy
-
+from fmus.archive import BuildError, Built, guid_of, read_archive, write_archive
 from fmus.component import Component
+from fmus.components import COMPONENTS
 from fmus.description import content_guid, model_description, to_xml
-from plant_models.seat import SEAT_PLANT
-from plant_models.shaker import SHAKER
-from seat_controller_fmu.controller import SEAT_CONTROLLER
+from fmus.native_build import PLATFORMS, STANDARDS, build_native_fmu
 
-COMPONENTS = (SEAT_CONTROLLER, SEAT_PLANT, SHAKER)
-"""All components that are built."""
+__all__ = ["COMPONENTS", "FLAVOURS", "PLATFORMS", "BuildError", "Built", "build", "build_python_fmu", "source_files"]
 
 _PACKAGES = ("fmus", "plant_models", "seat_controller_fmu")
 _SLAVE_SCRIPT = Path(__file__).with_name("slave_script.py")
-_EPOCH = (1980, 1, 1, 0, 0, 0)
-
-
-class BuildError(RuntimeError):
-    """A build tool failed; the message ends with what it said."""
-
-
-@dataclass(frozen=True)
-class Built:
-    """One built FMU.
-
-    Attributes
-    ----------
-    path
-        Where it lies.
-    fresh
-        False where a file of the same content stood there already.
-    """
-
-    path: Path
-    fresh: bool
 
 
 def _source(module: str) -> Path | None:
@@ -103,27 +77,6 @@ def _attribute(component: Component) -> str:
     return next(name for name, value in vars(module).items() if value is component)
 
 
-def _deterministic(path: Path) -> bytes:
-    """Rewrite an archive with sorted entries and without times, so that the same content gives the same bytes."""
-    with zipfile.ZipFile(path) as archive:
-        contents = {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for name in sorted(contents):
-            info = zipfile.ZipInfo(name, _EPOCH)
-            info.external_attr = 0o644 << 16
-            info.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(info, contents[name])
-    return path.read_bytes()
-
-
-def _guid_of(path: Path) -> str | None:
-    """Read the GUID of an FMU that may not be there or may be broken."""
-    try:
-        return str(fmpy.read_model_description(str(path), validate=False).guid)
-    except Exception:  # whatever is wrong with it, it is not the FMU to be built
-        return None
-
-
 def build_python_fmu(component: Component, folder: Path) -> Built:
     """Build a component as a pythonfmu FMU, unless the same one lies there already.
 
@@ -148,7 +101,7 @@ def build_python_fmu(component: Component, folder: Path) -> Built:
         *(part for name, path in sources.items() for part in (name.encode(), path.read_bytes())),
     )
     target = folder / f"{component.name}.fmu"
-    if _guid_of(target) == guid:
+    if guid_of(target) == guid:
         return Built(target, fresh=False)
     with tempfile.TemporaryDirectory(prefix="seat-cosim-") as temporary:
         stage = Path(temporary)
@@ -166,18 +119,15 @@ def build_python_fmu(component: Component, folder: Path) -> Built:
         built = stage / "built" / f"{component.name}.fmu"
         if run.returncode or not built.exists():
             raise BuildError(f"{component.name}: pythonfmu ended with {run.returncode}: {run.stderr.strip()[-500:]}")
-        folder.mkdir(parents=True, exist_ok=True)
-        content = _deterministic(built)
-        target.with_suffix(".tmp").write_bytes(content)
-        target.with_suffix(".tmp").replace(target)
+        write_archive(target, read_archive(built))
     return Built(target, fresh=True)
 
 
-FLAVOURS: dict[str, Callable[[Component, Path], Built]] = {"python": build_python_fmu}
-"""How each flavour is built; the FMUs of a flavour lie in the folder of its name."""
+FLAVOURS = (*STANDARDS, "python")
+"""All flavours; the FMUs of a flavour lie in the folder of its name."""
 
 
-def build(folder: Path, flavours: tuple[str, ...] = tuple(FLAVOURS)) -> Iterator[Built]:
+def build(folder: Path, flavours: Sequence[str] = FLAVOURS, platforms: Sequence[str] = ()) -> Iterator[Built]:
     """Build all components in the given flavours, one after the other.
 
     Parameters
@@ -186,6 +136,9 @@ def build(folder: Path, flavours: tuple[str, ...] = tuple(FLAVOURS)) -> Iterator
         Each flavour's FMUs go to the subfolder of its name.
     flavours
         Names from :data:`FLAVOURS`.
+    platforms
+        For which platforms native FMUs are built, see :data:`fmus.native_build.PLATFORMS`; the host's where none is
+        given.
 
     Yields
     ------
@@ -194,4 +147,7 @@ def build(folder: Path, flavours: tuple[str, ...] = tuple(FLAVOURS)) -> Iterator
     """
     for flavour in flavours:
         for component in COMPONENTS:
-            yield FLAVOURS[flavour](component, folder / flavour)
+            if flavour in STANDARDS:
+                yield build_native_fmu(flavour, component, folder / flavour, platforms)
+            else:
+                yield build_python_fmu(component, folder / flavour)

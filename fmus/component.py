@@ -7,7 +7,24 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from fmus.variables import TIME, Variable, variables_of
+from fmus.variables import TIME, Terminal, Variable, variables_of
+
+SAME_TIME = 1e-9
+"""Relative (above 1 s) or absolute (below, in s) distance within which two times are the same."""
+
+LATEST_TIME = 1e9
+"""Largest magnitude of a time, in s: 30 years, where times are still told apart to 1e-7 s."""
+
+LONGEST_STEP = 1e3
+"""Longest communication step, in s: a longer one would take so long that it looked like a hang."""
+
+SMALLEST_STATE = 1e-30
+"""States of smaller magnitude are zero, in their own unit: fading out, they would become denormal, which is slow."""
+
+
+def flushed(state: float) -> float:
+    """Return a state, or zero where its magnitude is below :data:`SMALLEST_STATE`."""
+    return 0.0 if abs(state) < SMALLEST_STATE else state
 
 
 class ParameterError(ValueError):
@@ -42,6 +59,10 @@ class Component:
         ``time + step_size``, both in s, inputs as set at ``time``; outputs hold at the end of the step.
     warnings
         ``warnings(parameters) -> texts`` for legal parameters that a user should think about.
+    terminals
+        Which variables make a plug together.
+    sample_time
+        Period in s of a component that samples, None for others.
     """
 
     name: str
@@ -56,6 +77,8 @@ class Component:
     advance: Callable[[Any, Any, Any, float, float], tuple[Any, Any]]
     constants: type | None = None
     warnings: Callable[[Any], Sequence[str]] = lambda parameters: ()
+    terminals: tuple[Terminal, ...] = ()
+    sample_time: float | None = None
 
     @cached_property
     def variables(self) -> tuple[Variable, ...]:

@@ -17,11 +17,8 @@ from xml.etree import ElementTree
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from fmus.component import Component, ParameterError
+from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME, Component, ParameterError
 from fmus.variables import Variable
-
-SAME_TIME = 1e-9
-"""Relative (above 1 s) or absolute (below, in s) distance within which two times are the same."""
 
 
 class ComponentSlave(Fmi2Slave):
@@ -165,10 +162,10 @@ class ComponentSlave(Fmi2Slave):
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
         """Take the start time, in s."""
-        if math.isfinite(start_time):
+        if abs(start_time) <= LATEST_TIME:
             self._time = self._values[0] = start_time
         else:
-            self._fault("time", f"start time: expected a finite number, got {start_time}")
+            self._fault("time", f"start time: expected at most {LATEST_TIME:g} s either way, got {start_time} s")
 
     def enter_initialization_mode(self) -> None:
         """Begin the initialisation."""
@@ -220,8 +217,9 @@ class ComponentSlave(Fmi2Slave):
             return self._refuse_step(current_time, reasons)
         if not abs(current_time - self._time) <= SAME_TIME * max(1.0, abs(self._time)):
             return self._refuse_step(current_time, f"expected the time {self._time} s, got {current_time} s")
-        if not 0.0 < step_size < math.inf:
-            return self._refuse_step(current_time, f"expected a step size above 0, got {step_size} s")
+        if not 0.0 < step_size <= LONGEST_STEP:
+            expected = f"expected a step size above 0 and up to {LONGEST_STEP:g} s"
+            return self._refuse_step(current_time, f"{expected}, got {step_size} s")
         if problem := self._prepare():
             return self._refuse_step(current_time, problem)
         try:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from fmus.build import COMPONENTS
 from fmus.component import Component
+from fmus.components import COMPONENTS
 from fmus.variables import Variable
 
 PATH = "docs/variables.md"
@@ -21,18 +21,35 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{value:g}"
 
 
-def _row(reference: int, v: Variable) -> str:
+COLUMNS = ("#", "variable", "unit", "causality", "variability", "start", "range", "description")
+"""What a table says of each variable."""
+
+
+def row(reference: int, v: Variable) -> tuple[str, ...]:
+    """Write the cells of a variable's row, see :data:`COLUMNS`.
+
+    Parameters
+    ----------
+    reference
+        The value reference.
+    v
+        The variable.
+    """
     start = "" if v.start is None else str(v.start).lower() if isinstance(v.start, bool) else _number(v.start)
     items = ", ".join(f"{number} {name}" for name, number in v.items.items())
     bounds = "" if v.minimum is None and v.maximum is None else f"{_number(v.minimum)} … {_number(v.maximum)}"
-    cells = (str(reference), f"`{v.name}`", v.unit or "", v.causality, v.variability, start, items or bounds)
-    return "| " + " | ".join((*cells, v.description.replace("|", "\\|"))) + " |"
+    return (str(reference), v.name, v.unit or "", v.causality, v.variability, start, items or bounds, v.description)
+
+
+def _line(reference: int, variable: Variable) -> str:
+    number, name, *cells = row(reference, variable)
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (number, f"`{name}`", *cells)) + " |"
 
 
 def table(component: Component) -> str:
     """Write a component's variables as a Markdown table."""
-    head = "| # | variable | unit | causality | variability | start | range | description |\n" + "|---" * 8 + "|"
-    rows = [_row(reference, variable) for reference, variable in enumerate(component.variables)]
+    head = f"| {' | '.join(COLUMNS)} |\n" + "|---" * len(COLUMNS) + "|"
+    rows = [_line(reference, variable) for reference, variable in enumerate(component.variables)]
     return "\n".join([head, *rows])
 
 

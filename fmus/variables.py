@@ -8,7 +8,7 @@ A model declares its interface as dataclasses whose fields are made by :func:`in
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -118,6 +118,23 @@ class Variable:
             unit = f" {self.unit}" if self.unit else ""
             return f"{self.name}: expected a value in {bounds}{unit}, got {value}"
         return None
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Variables that belong to one plug; a plug fits one with the same members.
+
+    Attributes
+    ----------
+    name, description
+        As in the FMU's description.
+    members
+        Name of a member, the same at both plugs, to the name of the variable.
+    """
+
+    name: str
+    description: str
+    members: Mapping[str, str]
 
 
 TIME = Variable(

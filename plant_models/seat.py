@@ -17,9 +17,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from fmus.component import Component, ParameterError
+from fmus.component import Component, ParameterError, flushed
 from plant_models.friction import BoucWen, bouc_wen, friction_state
-from plant_models.seat_interface import Inputs, Outputs, Parameters
+from plant_models.seat_interface import TERMINALS, Inputs, Outputs, Parameters
 
 LONGEST_SUBSTEP = 0.5e-3
 """Upper bound of the Runge-Kutta substep, in s: a quarter of the 2 ms sample."""
@@ -184,7 +184,7 @@ def _substep(state: State, floor: _Floor, tau: float, h: float, force: float, c:
         h,
         c.friction,
     )
-    return State(z_s_end, v_s_end, z_b_end, v_b_end, z_d_end)
+    return State(*map(flushed, (z_s_end, v_s_end, z_b_end, v_b_end, z_d_end)))
 
 
 def _outputs(state: State, floor: _Floor, tau: float, force: float, c: Coefficients) -> Outputs:
@@ -263,4 +263,5 @@ SEAT_PLANT = Component(
     prepare=prepare,
     initial=initial,
     advance=advance,
+    terminals=TERMINALS,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fmus.variables import POSITIVE, input_, output, parameter
+from fmus.variables import POSITIVE, Terminal, input_, output, parameter
 from plant_models import parameters as p
 
 _FORCE_BALANCE = (
@@ -75,3 +75,18 @@ class Parameters:
     friction_gamma: float = parameter(p.FRICTION_GAMMA, "Bouc-Wen gamma", name="friction.gamma", minimum=0.0)
     friction_beta: float = parameter(p.FRICTION_BETA, "Bouc-Wen beta, |beta| < gamma", name="friction.beta")
     friction_amplitude: float = parameter(p.FRICTION_A, "Bouc-Wen A", name="friction.A", minimum=POSITIVE)
+
+
+TERMINALS = (
+    Terminal(
+        "floor",
+        "Motion of the cabin floor",
+        {"displacement": "floor_displacement", "velocity": "floor_velocity", "acceleration": "floor_acceleration"},
+    ),
+    Terminal("actuator", "What the actuator does", {"force": "force"}),
+    Terminal(
+        "sensors",
+        "What the sensors report",
+        {"acceleration": "seat_acceleration_measured", "deflection": "suspension_deflection_measured"},
+    ),
+)

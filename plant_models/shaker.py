@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from fmus.component import Component
-from plant_models.shaker_interface import Inputs, Outputs, Parameters, Profile
+from plant_models.shaker_interface import TERMINALS, Inputs, Outputs, Parameters, Profile
 
 SAME_INSTANT = 1e-9
 """Times closer than this, in s, are one instant: communication points carry rounding errors."""
@@ -91,4 +91,5 @@ SHAKER = Component(
     prepare=lambda parameters: parameters,
     initial=initial,
     advance=advance,
+    terminals=TERMINALS,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from fmus.variables import POSITIVE, output, parameter
+from fmus.variables import POSITIVE, Terminal, output, parameter
 from plant_models import parameters as p
 
 
@@ -49,3 +49,12 @@ class Parameters:
         p.SINE_FREQUENCY, "Frequency of the sine z_v = A sin(2 pi f t)", name="sine.frequency", minimum=0.0
     )
     sine_amplitude: float = parameter(p.SINE_AMPLITUDE, "Displacement amplitude of the sine", name="sine.amplitude")
+
+
+TERMINALS = (
+    Terminal(
+        "floor",
+        "Motion of the cabin floor",
+        {"displacement": "floor_displacement", "velocity": "floor_velocity", "acceleration": "floor_acceleration"},
+    ),
+)

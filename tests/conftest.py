@@ -14,15 +14,29 @@ from fmus.build import build
 
 ROOT = Path(__file__).parent.parent
 DATA = Path(__file__).parent / "data"
+NATIVE = ("fmi2", "fmi3")
 
 
 @pytest.fixture(scope="session")
-def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the FMUs are built, each flavour in its subfolder."""
+    return tmp_path_factory.mktemp("fmus")
+
+
+@pytest.fixture(scope="session")
+def fmus(fmu_folder: Path) -> Path:
     """Folder of freshly built Python FMUs."""
-    folder = tmp_path_factory.mktemp("fmus")
-    for _ in build(folder):
+    for _ in build(fmu_folder, ["python"]):
         pass
-    return folder / "python"
+    return fmu_folder / "python"
+
+
+@pytest.fixture(scope="session")
+def native(fmu_folder: Path) -> Path:
+    """Folder of the folders ``fmi2`` and ``fmi3`` of freshly built native FMUs, for this machine."""
+    for _ in build(fmu_folder, NATIVE):
+        pass
+    return fmu_folder
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ class Shell:
     def __init__(self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], fmus: Path) -> None:
         self.monkeypatch = monkeypatch
         self.capfd = capfd
-        self.fmus = fmus.parent
+        self.fmus = fmus
 
     def __call__(self, *words: str, fmus: bool = True) -> tuple[int, str, str]:
         where = ["--fmus", str(self.fmus)] if fmus and words[:1] in (("run",), ("reproduce",)) else []
@@ -31,9 +31,9 @@ class Shell:
 
 
 @pytest.fixture
-def shell(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], fmus: Path, tmp_path: Path) -> Shell:
+def shell(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], native: Path, tmp_path: Path) -> Shell:
     monkeypatch.chdir(tmp_path)
-    return Shell(monkeypatch, capfd, fmus)
+    return Shell(monkeypatch, capfd, native)
 
 
 def test_reproduce_bump_writes_results_figures_and_table(shell: Shell, tmp_path: Path):
@@ -97,6 +97,7 @@ def test_run_takes_its_options_in_the_order_of_the_contract(shell: Shell, tmp_pa
         (["run", "jump"], "'jump' is not one of"),
         (["run"], "Missing argument"),
         (["jump"], "No such command 'jump'"),
+        (["build", "--platforms", "vax"], "--platforms vax: expected all or names of x86_64-linux, aarch64-linux"),
         (["run", "bump", "--output", "/proc/nowhere"], "/proc/nowhere: expected a folder to write to, got"),
     ],
 )
@@ -183,7 +184,7 @@ def test_missing_fmus_are_told_with_the_remedy(shell: Shell):
 
 
 def test_a_wrong_fmu_is_told(shell: Shell, tmp_path: Path):
-    folder = tmp_path / "wrong" / "python"
+    folder = tmp_path / "wrong" / "fmi2"
     folder.mkdir(parents=True)
     for name in ("Shaker", "SeatPlant", "SeatController"):
         (folder / f"{name}.fmu").write_text("not a zip")
@@ -192,9 +193,9 @@ def test_a_wrong_fmu_is_told(shell: Shell, tmp_path: Path):
     assert "Shaker.fmu: expected an FMU" in err
 
 
-def test_a_failing_run_is_exit_code_1_and_leaves_a_partial_result(shell: Shell, tmp_path: Path):
+def test_a_failing_run_is_exit_code_1_and_leaves_a_partial_result(shell: Shell, fmus: Path, tmp_path: Path):
     assert shell("run", "bump", "--stop-time", "0.1", "--output", "here")[0] == 0
-    words = ("run", "bump", "--set", "controller.driver_mass_min=100", "--output", "here")
+    words = ("run", "bump", "--flavour", "python", "--set", "controller.driver_mass_min=100", "--output", "here")
     code, out, err = shell(*words)
     assert code == 1
     assert out == ""
@@ -202,6 +203,16 @@ def test_a_failing_run_is_exit_code_1_and_leaves_a_partial_result(shell: Shell, 
     assert "expected driver_mass_min < driver_mass_max, got 100.0 kg and 80.0 kg" in err
     assert err.count("\n") == 1
     assert [path.name for path in (tmp_path / "here").glob("result*")] == ["result.partial.csv"]
+
+
+def test_a_run_that_cannot_begin_is_exit_code_1(shell: Shell, tmp_path: Path):
+    code, out, err = shell("run", "bump", "--set", "controller.driver_mass_min=100", "--output", "here")
+    assert code == 1
+    assert out == ""
+    assert err.startswith("seat-cosim: error: controller: fmi2ExitInitializationMode failed at t = 0 s (error)")
+    assert "driver_mass_max; got driver_mass_min = 100 kg, driver_mass_max = 80 kg" in err
+    assert err.count("\n") == 1
+    assert not list((tmp_path / "here").glob("result*"))
 
 
 def test_a_refused_run_leaves_an_earlier_result_alone(shell: Shell, tmp_path: Path):
@@ -217,11 +228,11 @@ def test_debug_shows_the_traceback_and_nothing_else_does(shell: Shell):
 
 
 def test_build_says_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
-    code, out, _ = shell("build", "--output", "here")
+    code, out, _ = shell("build", "--flavour", "fmi2", "--flavour", "fmi3", "--output", "here")
     assert code == 0
-    assert out.count("built") == 3
-    assert (tmp_path / "here" / "python" / "SeatController.fmu").exists()
-    assert shell("build", "--output", "here")[1].count("up to date") == 3
+    assert out.count("built") == 6
+    assert (tmp_path / "here" / "fmi3" / "SeatController.fmu").exists()
+    assert shell("build", "--flavour", "fmi3", "--output", "here")[1].count("up to date") == 3
 
 
 @pytest.mark.parametrize("command", [[], ["build"], ["run"], ["reproduce"], ["design"]])

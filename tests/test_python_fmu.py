@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from cosim.instance import Instance, extract
+from cosim.instance import Instance, extract, instantiate
 from cosim.model import Model
 
 H = 0.002
@@ -57,7 +57,7 @@ def hosted(path: Path, folder: Path) -> Iterator[Host]:
     model = Model.read(path)
     if not folder.exists():
         extract(model, folder)
-    instance = Instance("it", model, folder)
+    instance = instantiate("it", model, folder)
     try:
         yield Host(instance)
     finally:

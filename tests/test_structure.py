@@ -118,7 +118,7 @@ def test_files_that_are_no_fmus(fmus: Path, tmp_path: Path):
 
 def test_other_kinds_of_fmus_are_refused(fmus: Path, tmp_path: Path):
     one = edited(fmus / "Shaker.fmu", tmp_path / "one.fmu", ("CoSimulation", "ModelExchange"))
-    with pytest.raises(SetupError, match="expected FMI 2.0 for co-simulation, got FMI 2.0, no co-simulation"):
+    with pytest.raises(SetupError, match="expected FMI 2.0 or 3.0 for co-simulation, got FMI 2.0, no co-simulation"):
         Model.read(one)
 
 

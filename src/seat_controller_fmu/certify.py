@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.optimize import minimize
+from threadpoolctl import threadpool_limits
 
 from plant_models.seat_interface import Parameters as Seat
 from seat_controller_fmu.gains import Gains, Matrix, Setting
@@ -32,7 +33,7 @@ STRICT = 1e-8
 DRIVER_MASSES = tuple(float(mass) for mass in range(45, 121, 5))
 """Driver masses in kg for which the sampled loop is looked at, inside and outside the design's range."""
 
-_NOT_FOUND = 1e9
+_INFEASIBLE = 1e6
 _LAMBDA_ROW = 3  # of (30): the only one with lambda, and -B_2 beside it
 _OTHERS = [0, 1, 2, 4, 5]
 _SHARES = np.linspace(0.0, 1.0, 21)
@@ -115,25 +116,33 @@ def _blocks(setting: Setting, feedback: tuple[Any, Any], Q: Array, lambda_: floa
     return relaxed(setting, Q, R, np.array([[lambda_ * lambda_]]), np.block)
 
 
-def smallest_lambda(setting: Setting, feedback: tuple[Any, Any], Q: Array) -> float:
-    """Return the smallest lambda for which (31)-(32) hold with this Q, in closed form.
+def _schur(setting: Setting, feedback: tuple[Any, Any], Q: Array) -> tuple[float, float]:
+    """Judge (31)-(32) for any lambda.
 
     lambda stands in one diagonal entry of each block only, so by the Schur complement a block is negative definite if
-    the rest S of it is, and lambda^2 > w' (-S)^-1 w with w the row beside that entry. Infinite where S is not.
+    the rest S of it is, and lambda^2 > w' (-S)^-1 w with w the row beside that entry.
+
+    Returns
+    -------
+    tuple
+        The largest scaled eigenvalue of all S, which must lie below 0, and then the smallest lambda.
     """
-    worst = 0.0
+    violation, worst = -math.inf, 0.0
     for block in _blocks(setting, feedback, Q, 1.0):
         rest = block[np.ix_(_OTHERS, _OTHERS)]
         row, weight = block[_OTHERS, _LAMBDA_ROW], -block[_LAMBDA_ROW, _LAMBDA_ROW]
-        diagonal = np.diag(rest)
-        if (diagonal >= 0.0).any():
-            return math.inf
-        scale = 1.0 / np.sqrt(-diagonal)
+        scale = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(rest)), 1e-300))
         scaled = rest * np.outer(scale, scale)
-        if np.linalg.eigvalsh(scaled).max() >= -STRICT:
-            return math.inf
-        worst = max(worst, float((row * scale) @ np.linalg.solve(-scaled, row * scale)) / weight)
-    return math.sqrt(worst)
+        violation = max(violation, float(np.linalg.eigvalsh(scaled).max()))
+        if violation < -STRICT:
+            worst = max(worst, float((row * scale) @ np.linalg.solve(-scaled, row * scale)) / weight)
+    return violation, math.sqrt(worst)
+
+
+def smallest_lambda(setting: Setting, feedback: tuple[Any, Any], Q: Array) -> float:
+    """Return the smallest lambda for which (31)-(32) hold with this Q, in closed form; infinite where there is none."""
+    violation, level = _schur(setting, feedback, Q)
+    return level if violation < -STRICT else math.inf
 
 
 def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None, float]:
@@ -155,9 +164,9 @@ def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None,
 
     def objective(x: Array) -> float:
         if np.abs(x).max() > 30.0:
-            return _NOT_FOUND
-        found = smallest_lambda(setting, feedback, matrix(x))
-        return math.log(found) if math.isfinite(found) else _NOT_FOUND
+            return 2.0 * _INFEASIBLE
+        violation, level = _schur(setting, feedback, matrix(x))
+        return math.log(level) if violation < -STRICT else _INFEASIBLE + violation  # downhill to where it is feasible
 
     starts = []
     for mass, K in zip(setting.vertices, feedback, strict=True):
@@ -174,8 +183,10 @@ def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None,
         simplex = x + spread * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         options = {"initial_simplex": simplex, "xatol": 1e-7, "fatol": 1e-9}
         found = minimize(objective, x, method="Nelder-Mead", options=options)
+        if found.fun > _INFEASIBLE / 2.0:
+            return None, math.inf
         x = found.x
-    return (matrix(x), math.exp(found.fun)) if found.fun < _NOT_FOUND else (None, math.inf)
+    return matrix(x), math.exp(found.fun)
 
 
 def worst_case_lambda(setting: Setting, feedback: tuple[Any, Any]) -> float:
@@ -200,7 +211,8 @@ def worst_case_lambda(setting: Setting, feedback: tuple[Any, Any]) -> float:
 
 def delay_margins(gains: Gains, masses: tuple[float, ...] = DRIVER_MASSES) -> dict[float, float]:
     """Return the sampled loop's delay margin in ms by driver mass in kg."""
-    return {mass: delay_margin(gains.controller(mass), Seat(driver_mass=mass)) for mass in masses}
+    with threadpool_limits(1, "blas"):  # these matrices are small, and threads make it ten times slower
+        return {mass: delay_margin(gains.controller(mass), Seat(driver_mass=mass)) for mass in masses}
 
 
 def certify(gains: Gains, lambda_: float | None = None) -> Certificate:

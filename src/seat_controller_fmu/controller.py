@@ -19,9 +19,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from fmus.component import Component, ParameterError
+from fmus.component import Component, ParameterError, flushed
 from seat_controller_fmu.fuzzy import MassRange, observer_gain
-from seat_controller_fmu.interface import Constants, Inputs, Outputs, Parameters
+from seat_controller_fmu.interface import TERMINALS, Constants, Inputs, Outputs, Parameters
 from seat_controller_fmu.parameters import SAMPLE_TIME
 
 SAME_SAMPLE = 1e-3
@@ -173,7 +173,7 @@ def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[Stat
         u_sat = min(max(u, -c.limit), c.limit)  # (6)
     else:
         F_hat = u = u_sat = 0.0
-    state = State(state.next_sample + 1, True, delta, v, u, u_sat, F_hat)
+    state = State(state.next_sample + 1, True, *map(flushed, (delta, v, u, u_sat, F_hat)))
     return state, held_outputs(state, c)
 
 
@@ -260,4 +260,6 @@ SEAT_CONTROLLER = Component(
     initial=initial,
     advance=advance,
     warnings=warnings,
+    terminals=TERMINALS,
+    sample_time=SAMPLE_TIME.value,
 )

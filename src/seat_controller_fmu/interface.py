@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fmus.variables import POSITIVE, constant, input_, output, parameter
+from fmus.variables import POSITIVE, Terminal, constant, input_, output, parameter
 from plant_models.parameters import DRIVER_MASS, SEAT_MASS, SUSPENSION_STIFFNESS
 from seat_controller_fmu import parameters as p
 
@@ -71,3 +71,13 @@ class Constants:
     """What a host may want to read."""
 
     sample_time: float = constant(p.SAMPLE_TIME, "Sample time of the control law")
+
+
+TERMINALS = (
+    Terminal(
+        "sensors",
+        "What the seat's sensors report",
+        {"acceleration": "seat_acceleration", "deflection": "suspension_deflection"},
+    ),
+    Terminal("actuator", "What the actuator is to do", {"force": "force"}),
+)

@@ -1,0 +1,152 @@
+"""What the C code of a native FMU knows of its component: ``model.h``, written from the one declaration."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import get_type_hints
+
+from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME, Component
+from fmus.description import LOG_CATEGORIES
+from fmus.variables import Variable, variables_of
+
+
+def prefix(component: Component) -> str:
+    """Return what the names of a component's C kernel begin with, e.g. ``seat_plant`` for ``SeatPlant``."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", component.name).lower()
+
+
+def _number(value: float | None, otherwise: str) -> str:
+    return otherwise if value is None else repr(float(value))
+
+
+def _type(variable: Variable) -> str:
+    return "ENUMERATION" if variable.items else "BOOLEAN" if variable.type is bool else "REAL"
+
+
+def _bounds(variable: Variable) -> tuple[float | None, float | None]:
+    if variable.items:
+        if sorted(variable.items.values()) != list(range(1, len(variable.items) + 1)):
+            raise ValueError(f"enumeration {variable.name}: expected items counted from 1, got {variable.items}")
+        return 1.0, float(len(variable.items))
+    return (0.0, 1.0) if variable.type is bool else (variable.minimum, variable.maximum)
+
+
+def _table_row(variable: Variable) -> str:
+    low, high = _bounds(variable)
+    cells = (
+        f'"{variable.name}"',
+        f'"{variable.unit or ""}"',
+        f"TYPE_{_type(variable)}",
+        f"CAUSALITY_{variable.causality.upper()}",
+        f"VARIABILITY_{variable.variability.upper()}",
+        _number(variable.start, "0.0"),
+        _number(low, "-INFINITY"),
+        _number(high, "INFINITY"),
+    )
+    return "    {" + ", ".join(cells) + "},"
+
+
+def _read(variable: Variable, reference: int) -> str:
+    """Write the expression that takes a variable's value from the table."""
+    value = f"values[{reference}]"
+    return f"(int){value}" if variable.items else f"{value} != 0.0" if variable.type is bool else value
+
+
+def _taking(name: str, struct: str, members: list[tuple[int, Variable]]) -> Iterator[str]:
+    """Write a function that takes a struct from the table of values."""
+    yield f"static inline {struct} {name}(const double values[VARIABLE_COUNT])"
+    yield "{"
+    yield f"    {struct} taken = {{0}};"
+    yield "    (void)values;"
+    yield from (f"    taken.{v.field} = {_read(v, reference)};" for reference, v in members)
+    yield "    return taken;"
+    yield "}\n"
+
+
+def _storing(members: list[tuple[int, Variable]]) -> Iterator[str]:
+    yield "static inline void model_store_outputs(const ModelOutputs *outputs, double values[VARIABLE_COUNT])"
+    yield "{"
+    yield from (f"    values[{reference}] = (double)outputs->{v.field};" for reference, v in members)
+    yield "}\n"
+
+
+def _packing(component: Component) -> Iterator[str]:
+    """Write how a state becomes numbers and comes back."""
+    fields = get_type_hints(component.state)
+    yield "static inline void model_pack(const ModelState *state, double *packed)"
+    yield "{"
+    yield "    (void)state, (void)packed;"
+    yield from (f"    packed[{place}] = (double)state->{field};" for place, field in enumerate(fields))
+    yield "}\n"
+    yield "static inline void model_unpack(ModelState *state, const double *packed)"
+    yield "{"
+    yield "    (void)state, (void)packed;"
+    for place, (field, kind) in enumerate(fields.items()):
+        yield f"    state->{field} = packed[{place}]{' != 0.0' if kind is bool else ''};"
+    yield "}\n"
+
+
+def starts(component: Component) -> str:
+    """Write the start values of all parameters as a C initialiser: ``.driver_mass = 55.0, ...``."""
+    records = [component.parameters, *([component.constants] if component.constants else [])]
+    variables = [variable for record in records for variable in variables_of(record)]
+    return ", ".join(
+        f".{v.field} = {str(v.start).lower() if v.type is bool else int(v.start or 0) if v.items else v.start}"
+        for v in variables
+    )
+
+
+def model_header(component: Component, token: str) -> str:
+    """Write ``model.h`` of a component.
+
+    Parameters
+    ----------
+    component
+        Whose variables; its C kernel lies beside its Python module, with the same names of fields.
+    token
+        The FMU's GUID or instantiation token.
+    """
+    numbered = list(enumerate(component.variables))
+    of = {
+        kind: [(i, v) for i, v in numbered if v.causality in causalities]
+        for kind, causalities in (("INPUT", ("input",)), ("OUTPUT", ("output",)), ("", ("parameter", "local")))
+    }
+    categories = list(LOG_CATEGORIES)
+    kernel = component.module.rpartition(".")[2]
+    types = ("parameters", "coefficients", "state", "inputs", "outputs")
+    functions = ("prepare", "warning", "initial", "advance")
+    lines = [
+        f"/* Generated from the declaration of {component.name}: do not edit. See component.h. */",
+        "#ifndef MODEL_H\n#define MODEL_H\n",
+        f'#include "{kernel}.h"\n\n#include <math.h>\n#include <stdbool.h>\n',
+        f'#define MODEL_NAME "{component.name}"',
+        f'#define MODEL_TOKEN "{token}"\n',
+        "/* Times in s: what is the same time, the largest magnitude of a time, the longest step. */",
+        f"#define SAME_TIME {SAME_TIME!r}",
+        f"#define LATEST_TIME {LATEST_TIME!r}",
+        f"#define LONGEST_STEP {LONGEST_STEP!r}\n",
+        "#define MODEL_LOG_CATEGORIES " + ", ".join(f'"{name}"' for name in categories),
+        f"enum {{ MODEL_WARNINGS = {categories.index('logStatusWarning')}, "
+        f"MODEL_ERRORS = {categories.index('logStatusError')}, "
+        f"MODEL_ALL_MESSAGES = {categories.index('logAll')} }};\n",
+        f"enum {{ VARIABLE_COUNT = {len(numbered)}, STATE_COUNT = {len(component.state.__annotations__)} }};",
+        *(
+            f"enum {{ FIRST_{kind} = {members[0][0] if members else 0}, {kind}_COUNT = {len(members)} }};"
+            for kind, members in of.items()
+            if kind
+        ),
+        "\n#define MODEL_VARIABLES \\",
+        " \\\n".join(_table_row(variable) for _, variable in numbered) + "\n",
+        *(f"typedef {prefix(component)}_{name} Model{name.capitalize()};" for name in types),
+        *(f"#define model_{name} {prefix(component)}_{name}" for name in functions),
+        "",
+        *_taking("model_inputs", "ModelInputs", of["INPUT"]),
+        *_taking("model_parameters", "ModelParameters", of[""]),
+        *_storing(of["OUTPUT"]),
+        *_packing(component),
+        "/* The defaults of all parameters, for an initialiser of ModelParameters. */",
+        f"#define MODEL_DEFAULTS {starts(component)}\n",
+        "#endif",
+    ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,58 @@
+"""The HTML page in a native FMU: what it is, its ports, its equations, how to run it."""
+
+from __future__ import annotations
+
+import sys
+from html import escape
+
+from fmus.component import Component
+from fmus.description import STEP_SIZE, STOP_TIME
+from fmus.tables import COLUMNS, row
+
+_STYLE = "body {font-family: sans-serif; max-width: 75em} td, th {padding: .2em .6em; text-align: left}"
+
+
+def _table(component: Component) -> str:
+    head = "".join(f"<th>{escape(column)}</th>" for column in COLUMNS)
+    rows = (
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row(reference, variable)) + "</tr>"
+        for reference, variable in enumerate(component.variables)
+    )
+    return "\n".join([f"<table>\n<tr>{head}</tr>", *rows, "</table>"])
+
+
+def _example(component: Component) -> str:
+    return f"""import fmpy
+from fmpy.util import read_csv
+
+inputs = read_csv("{component.name}_in.csv")  # columns: time and inputs, as beside the FMU; None for default inputs
+result = fmpy.simulate_fmu("{component.name}.fmu", stop_time={STOP_TIME}, output_interval={STEP_SIZE}, input=inputs)
+print(result.dtype.names, result[-1])"""
+
+
+def page(component: Component) -> str:
+    """Write a component's page.
+
+    Parameters
+    ----------
+    component
+        Which; its equations are its module's own text.
+    """
+    equations = str(sys.modules[component.module].__doc__).strip()
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><title>{component.name}</title><style>{_STYLE}</style></head>
+<body>
+<h1>{component.name}</h1>
+<p>{escape(component.description)}.</p>
+<p>Up is positive for displacements, forces and accelerations; displacements are from static equilibrium, accelerations
+without gravity; everything starts at rest. The recommended communication step is {STEP_SIZE} s.</p>
+<h2>Variables</h2>
+{_table(component)}
+<h2>Equations</h2>
+<pre>{escape(equations)}</pre>
+<h2>Example</h2>
+<pre>{escape(_example(component))}</pre>
+</body>
+</html>
+"""

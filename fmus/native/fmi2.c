@@ -1,0 +1,232 @@
+/* FMI 2.0 for co-simulation: the standard's functions, each by way of the rules in instance.c. Knows no model. */
+#include "fmi2Functions.h"
+
+#include "instance.h"
+
+#ifdef __GNUC__
+#pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard's signatures say more than a function needs */
+#endif
+
+/* ---- instances --------------------------------------------------------------------------------------------------- */
+
+/* The host reads a message as a printf format: percent signs are doubled. */
+static void send(const Instance *it, Status status, const char *category, const char *message)
+{
+    char format[2048];
+    size_t length = 0;
+    for (const char *c = message; *c != '\0' && length + 2 < sizeof format; ++c) {
+        if (*c == '%') {
+            format[length++] = '%';
+        }
+        format[length++] = *c;
+    }
+    format[length] = '\0';
+    ((fmi2CallbackLogger)it->host.callback)(it->host.environment, it->name, (fmi2Status)status, category, format);
+}
+
+const char *fmi2GetTypesPlatform(void)
+{
+    return fmi2TypesPlatform;
+}
+
+const char *fmi2GetVersion(void)
+{
+    return fmi2Version;
+}
+
+fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
+                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
+                              fmi2Boolean visible, fmi2Boolean loggingOn)
+{
+    Host host = {send, NULL, NULL};
+    if (functions != NULL) {
+        host.callback = (HostCallback)functions->logger;
+        host.environment = functions->componentEnvironment;
+    }
+    Instance *it = instance_new(instanceName, fmuGUID, loggingOn != fmi2False, host, __func__);
+    if (it != NULL && fmuType != fmi2CoSimulation) {
+        instance_unsupported(it, __func__, "it is for co-simulation only");
+        instance_free(it);
+        it = NULL;
+    }
+    return it;
+}
+
+void fmi2FreeInstance(fmi2Component c)
+{
+    instance_free(c);
+}
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
+                               const fmi2String categories[])
+{
+    return (fmi2Status)instance_set_logging(c, __func__, loggingOn != fmi2False, nCategories, categories);
+}
+
+/* ---- life cycle -------------------------------------------------------------------------------------------------- */
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
+                               fmi2Boolean stopTimeDefined, fmi2Real stopTime)
+{
+    return (fmi2Status)instance_set_up(c, __func__, startTime);
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component c)
+{
+    return (fmi2Status)instance_enter_initialisation(c, __func__);
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c)
+{
+    return (fmi2Status)instance_exit_initialisation(c, __func__);
+}
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
+                      fmi2Boolean noSetFMUStatePriorToCurrentPoint)
+{
+    return (fmi2Status)instance_step(c, __func__, currentCommunicationPoint, communicationStepSize);
+}
+
+fmi2Status fmi2Terminate(fmi2Component c)
+{
+    return (fmi2Status)instance_terminate(c, __func__);
+}
+
+fmi2Status fmi2Reset(fmi2Component c)
+{
+    return (fmi2Status)instance_reset(c, __func__);
+}
+
+/* ---- values ------------------------------------------------------------------------------------------------------ */
+
+#define GETTER(function, type, kind, conversion)                                                          \
+    fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, kind value[])         \
+    {                                                                                                     \
+        const Instance *it = c;                                                                           \
+        const Status status = instance_read(c, __func__, type, vr, nvr, value);                           \
+        for (size_t i = 0; status != STATUS_ERROR && i < nvr; ++i) {                                         \
+            value[i] = (kind)(conversion);                                                                \
+        }                                                                                                 \
+        return (fmi2Status)status;                                                                        \
+    }
+
+#define SETTER(function, type, kind, conversion)                                                          \
+    fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const kind value[])   \
+    {                                                                                                     \
+        Status status = instance_may_write(c, __func__, type, vr, nvr, value);                            \
+        for (size_t i = 0, legal = status == STATUS_OK; legal && i < nvr; ++i) {                          \
+            const Status written = instance_write(c, __func__, vr[i], (double)(conversion));              \
+            status = written > status ? written : status;                                                 \
+        }                                                                                                 \
+        return (fmi2Status)status;                                                                        \
+    }
+
+GETTER(fmi2GetReal, TYPE_REAL, fmi2Real, it->values[vr[i]])
+GETTER(fmi2GetInteger, TYPE_ENUMERATION, fmi2Integer, it->values[vr[i]])
+GETTER(fmi2GetBoolean, TYPE_BOOLEAN, fmi2Boolean, it->values[vr[i]] != 0.0 ? fmi2True : fmi2False)
+SETTER(fmi2SetReal, TYPE_REAL, fmi2Real, value[i])
+SETTER(fmi2SetInteger, TYPE_ENUMERATION, fmi2Integer, value[i])
+SETTER(fmi2SetBoolean, TYPE_BOOLEAN, fmi2Boolean, value[i] != fmi2False)
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
+{
+    return (fmi2Status)instance_no_such_type(c, __func__, "String", nvr);
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
+{
+    return (fmi2Status)instance_no_such_type(c, __func__, "String", nvr);
+}
+
+/* ---- states ------------------------------------------------------------------------------------------------------ */
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
+{
+    return (fmi2Status)instance_get_state(c, __func__, FMUstate);
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
+{
+    return (fmi2Status)instance_set_state(c, __func__, FMUstate);
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
+{
+    return (fmi2Status)instance_free_state(c, __func__, FMUstate);
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
+{
+    return (fmi2Status)instance_state_size(c, __func__, FMUstate, size);
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
+{
+    return (fmi2Status)instance_state_to_bytes(c, __func__, FMUstate, serializedState, size);
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
+                                   fmi2FMUstate *FMUstate)
+{
+    return (fmi2Status)instance_state_from_bytes(c, __func__, serializedState, size, FMUstate);
+}
+
+/* ---- status ------------------------------------------------------------------------------------------------------ */
+
+static const char *const never_pending = "its steps never run asynchronously";
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
+{
+    const Instance *it = c;
+    if (it == NULL || value == NULL || s != fmi2LastSuccessfulTime) {
+        return (fmi2Status)instance_fail(it, __func__, "expected the last successful time to be asked for");
+    }
+    *value = it->values[0];
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
+{
+    if (c == NULL || value == NULL || s != fmi2Terminated) {
+        return (fmi2Status)instance_fail(c, __func__, "expected to be asked for termination");
+    }
+    *value = fmi2False; /* it never asks for an end */
+    return fmi2OK;
+}
+
+/* ---- what this FMU has no use for -------------------------------------------------------------------------------- */
+
+#define UNSUPPORTED(function, reason, ...)                                                                \
+    fmi2Status function(__VA_ARGS__)                                                                      \
+    {                                                                                                     \
+        return (fmi2Status)instance_unsupported(c, __func__, reason);                                     \
+    }
+
+static const char *const no_derivatives = "it provides no derivatives";
+static const char *const no_model_exchange = "it is for co-simulation only";
+
+UNSUPPORTED(fmi2GetStatus, never_pending, fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
+UNSUPPORTED(fmi2GetIntegerStatus, never_pending, fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
+UNSUPPORTED(fmi2GetStringStatus, never_pending, fmi2Component c, const fmi2StatusKind s, fmi2String *value)
+UNSUPPORTED(fmi2CancelStep, never_pending, fmi2Component c)
+
+UNSUPPORTED(fmi2GetDirectionalDerivative, no_derivatives, fmi2Component c, const fmi2ValueReference vUnknown_ref[],
+            size_t nUnknown, const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
+            fmi2Real dvUnknown[])
+UNSUPPORTED(fmi2SetRealInputDerivatives, no_derivatives, fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+            const fmi2Integer order[], const fmi2Real value[])
+UNSUPPORTED(fmi2GetRealOutputDerivatives, no_derivatives, fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+            const fmi2Integer order[], fmi2Real value[])
+
+UNSUPPORTED(fmi2EnterEventMode, no_model_exchange, fmi2Component c)
+UNSUPPORTED(fmi2NewDiscreteStates, no_model_exchange, fmi2Component c, fmi2EventInfo *fmi2eventInfo)
+UNSUPPORTED(fmi2EnterContinuousTimeMode, no_model_exchange, fmi2Component c)
+UNSUPPORTED(fmi2CompletedIntegratorStep, no_model_exchange, fmi2Component c,
+            fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode,
+            fmi2Boolean *terminateSimulation)
+UNSUPPORTED(fmi2SetTime, no_model_exchange, fmi2Component c, fmi2Real time)
+UNSUPPORTED(fmi2SetContinuousStates, no_model_exchange, fmi2Component c, const fmi2Real x[], size_t nx)
+UNSUPPORTED(fmi2GetDerivatives, no_model_exchange, fmi2Component c, fmi2Real derivatives[], size_t nx)
+UNSUPPORTED(fmi2GetEventIndicators, no_model_exchange, fmi2Component c, fmi2Real eventIndicators[], size_t ni)
+UNSUPPORTED(fmi2GetContinuousStates, no_model_exchange, fmi2Component c, fmi2Real x[], size_t nx)
+UNSUPPORTED(fmi2GetNominalsOfContinuousStates, no_model_exchange, fmi2Component c, fmi2Real x_nominal[], size_t nx)

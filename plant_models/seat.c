@@ -1,0 +1,241 @@
+/* The seat: two masses on a suspension with Bouc-Wen friction (1)-(2), (35)-(36). See seat.h; seat.py and friction.py
+ * tell why it is integrated and solved as it is.
+ *
+ *   m_s z_s'' = -k_f (z_s - z_v) - c_f (z_s' - z_v') + k_c (z_b - z_s) + c_c (z_b' - z_s') - f_r + u_sat        (1)
+ *   m_b z_b'' = -k_c (z_b - z_s) - c_c (z_b' - z_s')                                                            (2)
+ *   f_r       = alpha z_d                                                                                       (35)
+ *   z_d'      = A_d v - gamma_d |v| |z_d| z_d - beta_d v z_d^2,   v = z_s' - z_v'                               (36)
+ */
+#include "seat.h"
+
+#include <math.h>
+#include <stddef.h>
+
+typedef seat_plant_state state_t;
+typedef seat_plant_coefficients coefficients_t;
+
+/* Upper bound of the Runge-Kutta substep in s, substeps per radian of the fastest motion, and the substep in s that is
+ * too short. */
+static const double longest_substep = 0.5e-3;
+static const double substeps_per_radian = 2.0;
+static const double shortest_substep = 1e-5;
+
+/* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
+static double flushed(double state)
+{
+    return fabs(state) < 1e-30 ? 0.0 : state;
+}
+
+/* ---- friction ---------------------------------------------------------------------------------------------------- */
+
+/* Move z_d along a one-way change of the deflection, exactly: tanh while loading, tan while unloading. */
+static double friction_state(double state, double increment, const seat_plant_friction *c)
+{
+    double distance = fabs(increment);
+    const double sign = increment >= 0.0 ? 1.0 : -1.0;
+    double zeta = sign * state;
+    if (zeta < 0.0) {
+        const double phase = atan(zeta / c->unloading_scale) + c->unloading_rate * distance;
+        if (phase <= 0.0) {
+            return sign * c->unloading_scale * tan(phase);
+        }
+        distance = phase / c->unloading_rate;
+        zeta = 0.0;
+    }
+    const double rise = tanh(c->loading_rate * distance);
+    return sign * (zeta + c->plateau * rise) / (1.0 + zeta / c->plateau * rise);
+}
+
+/* Move z_d from one (deflection x, rate v) to the next, by way of the turning point where the rate, linear over the
+ * substep, changes sign. */
+static double turned(double friction, double x_0, double v_0, double x_1, double v_1, double h,
+                     const seat_plant_friction *c)
+{
+    if (v_0 * v_1 < 0.0) {
+        const double share = v_0 / (v_0 - v_1);
+        const double turning = 0.5 * (x_0 + x_1 + h * (v_0 * share - v_1 * (1.0 - share)) * 0.5);
+        friction = friction_state(friction, turning - x_0, c);
+        x_0 = turning;
+    }
+    return friction_state(friction, x_1 - x_0, c);
+}
+
+/* ---- mechanics --------------------------------------------------------------------------------------------------- */
+
+/* The floor tau seconds after it was given: second-order Taylor series. */
+static double floor_displacement(const seat_plant_inputs *floor, double tau)
+{
+    return floor->floor_displacement + tau * (floor->floor_velocity + 0.5 * tau * floor->floor_acceleration);
+}
+
+static double floor_velocity(const seat_plant_inputs *floor, double tau)
+{
+    return floor->floor_velocity + tau * floor->floor_acceleration;
+}
+
+/* Solve (1) for z_s''; stretch is z_b - z_s, friction is z_d. */
+static double seat_acceleration(double deflection, double rate, double stretch, double stretch_rate, double friction,
+                                double force, const coefficients_t *c)
+{
+    const double suspension = -c->k_f * deflection - c->c_f * rate - c->alpha * friction;
+    return (suspension + c->k_c * stretch + c->c_c * stretch_rate + force) / c->m_s;
+}
+
+/* Solve (2) for z_b''. */
+static double driver_acceleration(double stretch, double stretch_rate, const coefficients_t *c)
+{
+    return (-c->k_c * stretch - c->c_c * stretch_rate) / c->m_b;
+}
+
+typedef struct {
+    double seat, driver;
+} accelerations;
+
+/* Accelerations at a stage of the substep, tau seconds after the floor was given: the friction has come from z_d at the
+ * deflection x_0. */
+static accelerations slope(double z_s, double v_s, double z_b, double v_b, double tau, double z_d, double x_0,
+                           const seat_plant_inputs *inputs, const coefficients_t *c)
+{
+    const double x = z_s - floor_displacement(inputs, tau);
+    const double v = v_s - floor_velocity(inputs, tau);
+    const double friction = friction_state(z_d, x - x_0, &c->friction);
+    const double stretch = z_b - z_s, stretch_rate = v_b - v_s;
+    accelerations a;
+    a.seat = seat_acceleration(x, v, stretch, stretch_rate, friction, inputs->force, c);
+    a.driver = driver_acceleration(stretch, stretch_rate, c);
+    return a;
+}
+
+/* One step of classical Runge-Kutta over the four mechanical states, friction in closed form at every stage; h is the
+ * substep's length. */
+static void substep(state_t *state, const seat_plant_inputs *inputs, double tau, double h, const coefficients_t *c)
+{
+    const double z_s = state->seat_displacement, v_s = state->seat_velocity;
+    const double z_b = state->driver_displacement, v_b = state->driver_velocity;
+    const double z_d = state->friction;
+    const double x_0 = z_s - floor_displacement(inputs, tau);
+    const double half = 0.5 * h;
+    const accelerations a_1 = slope(z_s, v_s, z_b, v_b, tau, z_d, x_0, inputs, c);
+    const double v_s2 = v_s + half * a_1.seat, v_b2 = v_b + half * a_1.driver;
+    const accelerations a_2 =
+        slope(z_s + half * v_s, v_s2, z_b + half * v_b, v_b2, tau + half, z_d, x_0, inputs, c);
+    const double v_s3 = v_s + half * a_2.seat, v_b3 = v_b + half * a_2.driver;
+    const accelerations a_3 =
+        slope(z_s + half * v_s2, v_s3, z_b + half * v_b2, v_b3, tau + half, z_d, x_0, inputs, c);
+    const double v_s4 = v_s + h * a_3.seat, v_b4 = v_b + h * a_3.driver;
+    const accelerations a_4 = slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h, z_d, x_0, inputs, c);
+    const double sixth = h / 6.0;
+    const double z_s_end = z_s + sixth * (v_s + 2.0 * (v_s2 + v_s3) + v_s4);
+    const double z_b_end = z_b + sixth * (v_b + 2.0 * (v_b2 + v_b3) + v_b4);
+    const double v_s_end = v_s + sixth * (a_1.seat + 2.0 * (a_2.seat + a_3.seat) + a_4.seat);
+    const double v_b_end = v_b + sixth * (a_1.driver + 2.0 * (a_2.driver + a_3.driver) + a_4.driver);
+    const double x_end = z_s_end - floor_displacement(inputs, tau + h);
+    const double z_d_end = turned(z_d, x_0, v_s - floor_velocity(inputs, tau), x_end,
+                                  v_s_end - floor_velocity(inputs, tau + h), h, &c->friction);
+    state->seat_displacement = flushed(z_s_end);
+    state->seat_velocity = flushed(v_s_end);
+    state->driver_displacement = flushed(z_b_end);
+    state->driver_velocity = flushed(v_b_end);
+    state->friction = flushed(z_d_end);
+}
+
+/* Outputs of a state, tau seconds after the floor was given, the force still acting. */
+static void evaluate(const state_t *state, const seat_plant_inputs *inputs, double tau, const coefficients_t *c,
+                     seat_plant_outputs *outputs)
+{
+    const double deflection = state->seat_displacement - floor_displacement(inputs, tau);
+    const double rate = state->seat_velocity - floor_velocity(inputs, tau);
+    const double stretch = state->driver_displacement - state->seat_displacement;
+    const double stretch_rate = state->driver_velocity - state->seat_velocity;
+    outputs->seat_acceleration =
+        seat_acceleration(deflection, rate, stretch, stretch_rate, state->friction, inputs->force, c);
+    outputs->suspension_deflection = deflection;
+    outputs->deflection_rate = rate;
+    outputs->driver_acceleration = driver_acceleration(stretch, stretch_rate, c);
+    outputs->seat_displacement = state->seat_displacement;
+    outputs->driver_displacement = state->driver_displacement;
+    outputs->friction_force = c->alpha * state->friction; /* (35) */
+    outputs->seat_acceleration_measured = outputs->seat_acceleration;
+    outputs->suspension_deflection_measured = deflection;
+}
+
+/* ---- the component ----------------------------------------------------------------------------------------------- */
+
+/* Prepare the closed-form step of (36); false where it has no plateau. */
+static int bouc_wen(double gamma, double beta, double amplitude, seat_plant_friction *c)
+{
+    const double loading = gamma + beta, unloading = gamma - beta;
+    if (!(amplitude > 0.0 && loading > 0.0 && unloading > 0.0)) {
+        return 0;
+    }
+    c->plateau = sqrt(amplitude / loading);
+    c->loading_rate = sqrt(amplitude * loading);
+    c->unloading_scale = sqrt(amplitude / unloading);
+    c->unloading_rate = sqrt(amplitude * unloading);
+    return 1;
+}
+
+/* Substep in s for the fastest motion that these parameters allow. */
+static double substep_for(const seat_plant_parameters *p)
+{
+    /* the steepest friction can get: unloading at the plateau, d zeta/dy = A 2 gamma/(gamma + beta) */
+    const double slope = 2.0 * p->friction_amplitude * p->friction_gamma / (p->friction_gamma + p->friction_beta);
+    const double stiffness = p->suspension_stiffness + p->cushion_stiffness + p->friction_alpha * slope;
+    const double damping = p->suspension_damping + p->cushion_damping;
+    const double lightest = p->driver_mass < p->seat_mass ? p->driver_mass : p->seat_mass;
+    const double fastest = sqrt(stiffness / lightest) + damping / lightest;
+    const double needed = 1.0 / (substeps_per_radian * fastest);
+    return fastest > 0.0 && !(longest_substep <= needed) ? needed : longest_substep;
+}
+
+const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_plant_coefficients *coefficients)
+{
+    const seat_plant_parameters *p = parameters;
+    coefficients_t *c = coefficients;
+    if (!bouc_wen(p->friction_gamma, p->friction_beta, p->friction_amplitude, &c->friction)) {
+        return "expected friction.A > 0 and friction.gamma > |friction.beta|";
+    }
+    c->substep = substep_for(p);
+    if (!(c->substep >= shortest_substep)) {
+        return "expected a fastest motion below 50000 rad/s from the stiffnesses suspension_stiffness, "
+               "cushion_stiffness and friction.alpha and the dampings suspension_damping and cushion_damping "
+               "on seat_mass and driver_mass";
+    }
+    c->m_s = p->seat_mass;
+    c->m_b = p->driver_mass;
+    c->k_f = p->suspension_stiffness;
+    c->c_f = p->suspension_damping;
+    c->k_c = p->cushion_stiffness;
+    c->c_c = p->cushion_damping;
+    c->alpha = p->friction_alpha;
+    return NULL;
+}
+
+const char *seat_plant_warning(const seat_plant_parameters *parameters)
+{
+    (void)parameters;
+    return NULL;
+}
+
+void seat_plant_initial(seat_plant_state *state, const seat_plant_inputs *inputs,
+                        const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs)
+{
+    const seat_plant_state rest = {0.0, 0.0, 0.0, 0.0, 0.0};
+    (void)time;
+    *state = rest;
+    evaluate(state, inputs, 0.0, coefficients, outputs);
+}
+
+void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
+                        const seat_plant_coefficients *coefficients, double time, double step_size,
+                        seat_plant_outputs *outputs)
+{
+    const double needed = ceil(step_size / coefficients->substep - 1e-6);
+    const double count = needed > 1.0 ? needed : 1.0;
+    const double h = step_size / count;
+    (void)time;
+    for (double index = 0.0; index < count; index += 1.0) {
+        substep(state, inputs, index * h, h, coefficients);
+    }
+    evaluate(state, inputs, step_size, coefficients, outputs);
+}

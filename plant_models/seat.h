@@ -1,0 +1,66 @@
+/* The seat in C99: the twin of seat.py and friction.py. No allocation, no globals, no recursion, no input or output. */
+#ifndef SEAT_PLANT_H
+#define SEAT_PLANT_H
+
+/* What the floor and the actuator do to the seat: m, m/s, m/s2, N. */
+typedef struct {
+    double floor_displacement, floor_velocity, floor_acceleration;
+    double force;
+} seat_plant_inputs;
+
+/* What the seat does, and what its sensors report. */
+typedef struct {
+    double seat_acceleration;                         /* z_s'' in m/s2 */
+    double suspension_deflection, deflection_rate;    /* z_s - z_v in m, its rate in m/s */
+    double driver_acceleration;                       /* z_b'' in m/s2 */
+    double seat_displacement, driver_displacement;    /* z_s, z_b in m */
+    double friction_force;                            /* f_r (35) in N */
+    double seat_acceleration_measured, suspension_deflection_measured;
+} seat_plant_outputs;
+
+typedef struct {
+    double driver_mass, seat_mass;                    /* m_b, m_s in kg */
+    double suspension_stiffness, suspension_damping;  /* k_f in N/m, c_f in N.s/m */
+    double cushion_stiffness, cushion_damping;        /* k_c in N/m, c_c in N.s/m */
+    double friction_alpha;                            /* alpha in N/m */
+    double friction_gamma, friction_beta;             /* gamma_d, beta_d in 1/m2 */
+    double friction_amplitude;                        /* A_d */
+} seat_plant_parameters;
+
+typedef struct {
+    double seat_displacement, seat_velocity;          /* z_s in m, z_s' in m/s */
+    double driver_displacement, driver_velocity;      /* z_b in m, z_b' in m/s */
+    double friction;                                  /* z_d of (36) in m */
+} seat_plant_state;
+
+/* Coefficients of the closed-form friction step. */
+typedef struct {
+    double plateau;                                   /* sqrt(A_d/(gamma_d + beta_d)) in m */
+    double loading_rate;                              /* sqrt(A_d (gamma_d + beta_d)) in 1/m */
+    double unloading_scale;                           /* sqrt(A_d/(gamma_d - beta_d)) in m */
+    double unloading_rate;                            /* sqrt(A_d (gamma_d - beta_d)) in 1/m */
+} seat_plant_friction;
+
+/* Parameters as the step needs them, in the symbols of (1), (2) and (35). */
+typedef struct {
+    double m_s, m_b, k_f, c_f, k_c, c_c, alpha;
+    seat_plant_friction friction;
+    double substep;                                   /* longest Runge-Kutta substep in s */
+} seat_plant_coefficients;
+
+/* Derive the coefficients. Returns NULL, or what is wrong with the parameters in terms of their names. */
+const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_plant_coefficients *coefficients);
+
+/* Nothing to think about: NULL. */
+const char *seat_plant_warning(const seat_plant_parameters *parameters);
+
+/* Start at rest in static equilibrium. */
+void seat_plant_initial(seat_plant_state *state, const seat_plant_inputs *inputs,
+                        const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs);
+
+/* Integrate (1)-(2) over a communication step, in s; the force is held, the floor extrapolated by its Taylor series. */
+void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
+                        const seat_plant_coefficients *coefficients, double time, double step_size,
+                        seat_plant_outputs *outputs);
+
+#endif

@@ -1,0 +1,256 @@
+"""The C kernels against their Python twins, and what a kernel may and may not do."""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+from fmus.component import Component, ParameterError
+from fmus.components import COMPONENTS
+from fmus.native_build import STANDARDS, source_files
+from fmus.variables import Variable
+
+SAMPLES = {"advance": 100_000, "initial": 10_000}
+RELATIVE = 1e-12
+FLOOR = 1e-15
+"""Differences below this share of a column's largest magnitude do not count: what cancels leaves no digits."""
+
+STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
+KERNELS = ["src/seat_controller_fmu/controller.c", "plant_models/seat.c", "plant_models/shaker.c"]
+
+gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+
+
+def compile_c(folder: Path, *words: str) -> None:
+    run = subprocess.run(["gcc", *words], cwd=folder, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
+# ---- parity ----------------------------------------------------------------------------------------------------------
+
+
+def library(component: Component, folder: Path) -> ctypes.CDLL:
+    for name, content in source_files(component, STANDARDS["fmi2"], "{}").items():
+        (folder / name).write_bytes(content)
+    kernel = component.module.rpartition(".")[2] + ".c"
+    options = [*STRICT, "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-I."]
+    compile_c(folder, *options, kernel, str(ROOT / "tests/native/parity.c"), "-o", "parity.so", "-lm")
+    return ctypes.CDLL(str(folder / "parity.so"))
+
+
+def random_values(variable: Variable, count: int, random: np.random.Generator) -> np.ndarray:
+    """Values over a variable's range, its ends and its start included; two decades where it has no range."""
+    low, high = variable.minimum, variable.maximum
+    if variable.variability == "constant":
+        return np.full(count, variable.start)
+    if variable.items:
+        return random.integers(1, len(variable.items) + 1, count).astype(float)
+    if variable.type is bool:
+        return random.integers(0, 2, count).astype(float)
+    if variable.causality == "input":
+        return random.normal(0.0, 3.0 * (variable.nominal or 1.0), count) * (random.random(count) > 0.05)
+    start = float(variable.start or 0.0)
+    values = start * np.exp(random.normal(0.0, 0.5, count)) + (random.normal(0.0, 1.0, count) if not start else 0.0)
+    values = np.clip(values, low, high)
+    ends = [start, *(end for end in (low, high) if end is not None)]
+    return np.where(random.random(count) < 0.9, values, random.choice(ends, count))
+
+
+STATE_SCALES = {
+    "SeatController": {"deflection": 0.02, "rate": 0.5, "demand": 300.0, "force": 200.0, "estimate": 200.0},
+    "SeatPlant": {
+        "seat_displacement": 0.05,
+        "seat_velocity": 0.5,
+        "driver_displacement": 0.05,
+        "driver_velocity": 0.5,
+        "friction": 2e-4,
+    },
+    "Shaker": {},
+}
+
+
+def random_states(component: Component, times: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """States of all magnitudes, some below the smallest, some 0."""
+    columns = []
+    for field, kind in get_type_hints(component.state).items():
+        if field == "next_sample":
+            columns.append(np.round(times / 0.002))
+        elif kind is bool:
+            columns.append(random.integers(0, 2, len(times)).astype(float))
+        else:
+            column = random.normal(0.0, STATE_SCALES[component.name][field], len(times))
+            columns.append(column * random.choice([1.0, 1e-8, 1e-33, 0.0], len(times), p=[0.85, 0.05, 0.05, 0.05]))
+    return np.array(columns).T.copy() if columns else np.zeros((len(times), 0))
+
+
+def typed(value: float, kind: Any) -> Any:
+    return int(value) if kind is int else kind(value)
+
+
+def python_twin(
+    component: Component, call: Callable[..., Any], row: np.ndarray, state: np.ndarray, *times: float
+) -> tuple[list[float], list[float]] | None:
+    """State and outputs of the Python model, or None where it refuses."""
+    variables = component.variables
+    values = [typed(x, v.type) for x, v in zip(row.tolist(), variables, strict=True)]
+    by = {c: [x for x, v in zip(values, variables, strict=True) if v.causality == c] for c in ("input", "parameter")}
+    try:
+        coefficients = component.prepare(component.parameters(*by["parameter"]))
+    except ParameterError:
+        return None
+    arguments: list[Any] = [component.inputs(*by["input"]), coefficients, *times]
+    if call is component.advance:
+        kinds = get_type_hints(component.state).values()
+        arguments.insert(0, component.state(*map(typed, state.tolist(), kinds)))
+    left, outputs = call(*arguments)
+    names = [v.field for v in variables if v.causality == "output"]
+    return [float(x) for x in left], [float(getattr(outputs, name)) for name in names]
+
+
+def pointer(array: np.ndarray, kind: Any = ctypes.c_double) -> Any:
+    return array.ctypes.data_as(ctypes.POINTER(kind))
+
+
+def largest_difference(found: np.ndarray, expected: np.ndarray) -> float:
+    """Largest relative difference of two tables, column by column, differences below the floor aside."""
+    if not expected.size:
+        return 0.0
+    difference = np.abs(found - expected)
+    difference[difference <= FLOOR * np.abs(expected).max(axis=0)] = 0.0
+    return float((difference / np.maximum(np.abs(expected), 1e-300)).max())
+
+
+@gcc
+@pytest.mark.parametrize("what", ["initial", "advance"])
+@pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.name)
+def test_c_and_python_compute_the_same(component: Component, what: str, tmp_path: Path):
+    random = np.random.default_rng(4)
+    count = SAMPLES[what]
+    values = np.array([random_values(v, count, random) for v in component.variables]).T.copy()
+    times = 0.002 * random.integers(0, 2000, count) + random.choice([0.0, 1e-10, -1e-10, 7e-4], count)
+    steps = random.choice([1e-5, 2e-4, 5e-4, 2e-3, 1e-2], count, p=[0.2, 0.3, 0.35, 0.1, 0.05])
+    states = random_states(component, times, random)
+    refused = np.zeros(count, dtype=np.uint8)
+    expected = [
+        python_twin(component, getattr(component, what), row, state, *given[: 2 if what == "advance" else 1])
+        for row, state, given in zip(values, states, zip(times.tolist(), steps.tolist(), strict=True), strict=True)
+    ]
+    run = getattr(library(component, tmp_path), f"parity_{what}")
+    refusals = run(
+        ctypes.c_size_t(count),
+        pointer(values),
+        pointer(states),
+        pointer(times),
+        pointer(steps),
+        pointer(refused, ctypes.c_ubyte),
+    )
+    assert (refused == [one is None for one in expected]).all()
+    accepted = refused == 0
+    assert refusals < count / 2
+    outputs = [i for i, v in enumerate(component.variables) if v.causality == "output"]
+    differences = [
+        largest_difference(states[accepted], np.array([one[0] for one in expected if one])),
+        largest_difference(values[accepted][:, outputs], np.array([one[1] for one in expected if one])),
+    ]
+    print(f"{component.name} {what}: {refusals} refused, relative differences {differences} in states and outputs")
+    assert max(differences) < RELATIVE
+
+
+# ---- what a kernel may do --------------------------------------------------------------------------------------------
+
+
+@gcc
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_kernels_compile_without_any_warning(kernel: str, tmp_path: Path):
+    compile_c(tmp_path, *STRICT, "-O2", "-c", str(ROOT / kernel))
+
+
+@gcc
+def test_the_controller_stands_alone_in_single_precision_too(tmp_path: Path):
+    for name in ("controller.c", "controller.h"):
+        shutil.copy(ROOT / "src/seat_controller_fmu" / name, tmp_path)
+    options = [*STRICT, "-Wdouble-promotion", "-DSEAT_CONTROLLER_REAL=float", "-O2"]
+    compile_c(tmp_path, *options, "-c", "controller.c", "-o", "single.o")
+    used = subprocess.run(["nm", "-u", "single.o"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert set(re.findall(r"U (\w+)", used)) <= {"sqrtf", "ceil", "_GLOBAL_OFFSET_TABLE_"}
+
+
+@gcc
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_kernels_hold_no_data_and_call_mathematics_only(kernel: str, tmp_path: Path):
+    compile_c(tmp_path, "-std=c99", "-O2", "-c", str(ROOT / kernel), "-o", "kernel.o")
+    symbols = subprocess.run(["nm", "kernel.o"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert not re.findall(r" [BbDdCG] (\w+)", symbols), "writable data"
+    known = {"sqrt", "sqrtf", "ceil", "tanh", "tan", "atan", "sin", "cos", "sincos", "_GLOBAL_OFFSET_TABLE_"}
+    assert set(re.findall(r"U (\w+)", symbols)) <= known
+
+
+@gcc
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="counts instructions of x86_64")
+def test_a_sample_in_c_costs_what_it_costs_in_python(tmp_path: Path):
+    """10 multiplications and 10 additions, the square root of (33) aside, counted in the machine code."""
+    kernel = str(ROOT / KERNELS[0])
+    compile_c(tmp_path, "-std=c99", "-O1", "-fno-inline", "-ffp-contract=off", "-c", kernel, "-o", "kernel.o")
+    code = subprocess.run(
+        ["objdump", "-d", "kernel.o"], cwd=tmp_path, capture_output=True, text=True, check=True
+    ).stdout
+    bodies = dict(re.findall(r"<([\w.]+)>:\n(.*?)(?:\n\n|\Z)", code, re.DOTALL))
+    sample = "\n".join(body for name, body in bodies.items() if name.split(".")[0] in ("sample", "held_outputs"))
+    count = {kind: len(re.findall(rf"\b{kind}sd\b", sample)) for kind in ("mul", "div", "add", "sub")}
+    print(count)
+    assert count["mul"] + count["div"] == 10
+    assert count["add"] + count["sub"] == 10
+
+
+@gcc
+def test_single_precision_follows_double_precision(tmp_path: Path):
+    """The observer's loop in float, over 2 s of a sine: measured 0.0003 N of 250 N."""
+    forces = {}
+    for kind in ("double", "float"):
+        source = tmp_path / f"{kind}.c"
+        source.write_text(
+            """
+#include "model.h"
+void run(int count, const double *accelerations, const double *deflections, double *forces)
+{
+    const seat_controller_parameters parameters = {MODEL_DEFAULTS};
+    seat_controller_coefficients coefficients;
+    seat_controller_state state;
+    seat_controller_prepare(&parameters, &coefficients);
+    seat_controller_start(&state);
+    for (int k = 0; k < count; ++k) {
+        seat_controller_inputs inputs;
+        seat_controller_outputs outputs;
+        inputs.seat_acceleration = (seat_controller_real)accelerations[k];
+        inputs.suspension_deflection = (seat_controller_real)deflections[k];
+        seat_controller_step(&state, &inputs, &coefficients, &outputs);
+        forces[k] = (double)outputs.force;
+    }
+}
+""",
+            encoding="utf-8",
+        )
+        for name, content in source_files(COMPONENTS[0], STANDARDS["fmi2"], "{}").items():
+            (tmp_path / name).write_bytes(content)
+        options = [f"-DSEAT_CONTROLLER_REAL={kind}", "-std=c99", "-O2", "-shared", "-fPIC", "-I."]
+        compile_c(tmp_path, *options, source.name, "controller.c", "-o", f"{kind}.so", "-lm")
+        t = 0.002 * np.arange(1000)
+        accelerations, deflections = np.sin(18.0 * t), 0.02 * np.sin(18.0 * t + 1.0)
+        found = np.zeros(len(t))
+        ctypes.CDLL(str(tmp_path / f"{kind}.so")).run(
+            len(t), pointer(accelerations), pointer(deflections), pointer(found)
+        )
+        forces[kind] = found
+    difference = np.abs(forces["float"] - forces["double"]).max()
+    print(f"largest difference {difference:.2e} N of {np.abs(forces['double']).max():.0f} N")
+    assert difference < 0.0025
