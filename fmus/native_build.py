@@ -148,8 +148,12 @@ def source_files(component: Component, standard: Standard, token: str) -> dict[s
 
 
 def _license() -> bytes:
-    text = distribution("seat-cosim").read_text("licenses/LICENSE")
-    return (text or "MIT").encode()
+    """Read the licence, which lies in the repository or with the installed package."""
+    here = Path(__file__).parent.parent / "LICENSE"
+    text = here.read_text("utf-8") if here.exists() else distribution("seat-cosim").read_text("licenses/LICENSE")
+    if not text:
+        raise BuildError("native FMUs: expected the project's LICENSE, got no such file")
+    return text.encode()
 
 
 def fmu_files(component: Component, standard: Standard, token: str) -> dict[str, bytes]:
