@@ -11,7 +11,7 @@ Three independent questions are asked of a set of gains:
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -95,7 +95,7 @@ class Certificate:
         }
 
 
-def block_margins(blocks: list[Array]) -> dict[str, float]:
+def block_margins(blocks: Iterable[Array]) -> dict[str, float]:
     """Return minus the largest eigenvalue of each block, scaled by a congruence to a unit diagonal.
 
     The sign does not depend on the scaling; the scaling makes the number comparable and its rounding error some 1e-15.
@@ -111,13 +111,14 @@ def block_margins(blocks: list[Array]) -> dict[str, float]:
     return margins
 
 
-def _blocks(setting: Setting, feedback: tuple[Any, Any], Q: Array, lambda_: float) -> list[Array]:
+def _blocks(setting: Setting, feedback: tuple[Any, Any], Q: Array, lambda_: float) -> Array:
+    """Evaluate the four blocks of (31)-(32), shape (4, 6, 6)."""
     R = [np.array([K]) @ Q for K in feedback]
-    return relaxed(setting, Q, R, np.array([[lambda_ * lambda_]]), np.block)
+    return np.array(relaxed(setting, Q, R, np.array([[lambda_ * lambda_]]), np.block))
 
 
-def _schur(setting: Setting, feedback: tuple[Any, Any], Q: Array) -> tuple[float, float]:
-    """Judge (31)-(32) for any lambda.
+def _schur(blocks: Array) -> tuple[float, float]:
+    """Judge (31)-(32) for any lambda, from the blocks at lambda = 1.
 
     lambda stands in one diagonal entry of each block only, so by the Schur complement a block is negative definite if
     the rest S of it is, and lambda^2 > w' (-S)^-1 w with w the row beside that entry.
@@ -127,22 +128,20 @@ def _schur(setting: Setting, feedback: tuple[Any, Any], Q: Array) -> tuple[float
     tuple
         The largest scaled eigenvalue of all S, which must lie below 0, and then the smallest lambda.
     """
-    violation, worst = -math.inf, 0.0
-    for block in _blocks(setting, feedback, Q, 1.0):
-        rest = block[np.ix_(_OTHERS, _OTHERS)]
-        row, weight = block[_OTHERS, _LAMBDA_ROW], -block[_LAMBDA_ROW, _LAMBDA_ROW]
-        scale = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(rest)), 1e-300))
-        scaled = rest * np.outer(scale, scale)
-        violation = max(violation, float(np.linalg.eigvalsh(scaled).max()))
-        if violation < -STRICT:
-            worst = max(worst, float((row * scale) @ np.linalg.solve(-scaled, row * scale)) / weight)
-    return violation, math.sqrt(worst)
+    rest = blocks[:, _OTHERS][:, :, _OTHERS]
+    scale = 1.0 / np.sqrt(np.maximum(np.abs(np.diagonal(rest, axis1=1, axis2=2)), 1e-300))
+    scaled = rest * scale[:, :, None] * scale[:, None, :]
+    violation = float(np.linalg.eigvalsh(scaled).max())
+    if violation >= -STRICT:
+        return violation, math.inf
+    row = (blocks[:, _OTHERS, _LAMBDA_ROW] * scale)[:, :, None]
+    squared = (row * np.linalg.solve(-scaled, row)).sum(axis=(1, 2)) / -blocks[:, _LAMBDA_ROW, _LAMBDA_ROW]
+    return violation, math.sqrt(float(squared.max()))
 
 
 def smallest_lambda(setting: Setting, feedback: tuple[Any, Any], Q: Array) -> float:
     """Return the smallest lambda for which (31)-(32) hold with this Q, in closed form; infinite where there is none."""
-    violation, level = _schur(setting, feedback, Q)
-    return level if violation < -STRICT else math.inf
+    return _schur(_blocks(setting, feedback, Q, 1.0))[1]
 
 
 def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None, float]:
@@ -157,6 +156,10 @@ def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None,
     tuple
         Q of shape (2, 2) and the lambda; None and infinity where none was found.
     """
+    # the blocks are affine in the entries of Q
+    constant = _blocks(setting, feedback, np.zeros((2, 2)), 1.0)
+    units = (np.diag([1.0, 0.0]), np.array([[0.0, 1.0], [1.0, 0.0]]), np.diag([0.0, 1.0]))
+    slopes = [_blocks(setting, feedback, unit, 1.0) - constant for unit in units]
 
     def matrix(x: Array) -> Array:
         size, r = np.exp(x[:2]), math.tanh(x[2])
@@ -165,7 +168,8 @@ def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None,
     def objective(x: Array) -> float:
         if np.abs(x).max() > 30.0:
             return 2.0 * _INFEASIBLE
-        violation, level = _schur(setting, feedback, matrix(x))
+        Q = matrix(x)
+        violation, level = _schur(constant + Q[0, 0] * slopes[0] + Q[0, 1] * slopes[1] + Q[1, 1] * slopes[2])
         return math.log(level) if violation < -STRICT else _INFEASIBLE + violation  # downhill to where it is feasible
 
     starts = []
