@@ -1,5 +1,5 @@
 /* What a step costs, in ns: the kernel's alone, and by way of the FMI 2.0 functions a host calls, setting inputs and getting
- * outputs included. Prints the medians over many rounds. */
+ * outputs included. Prints the median over many rounds and the quickest of them, for either. */
 #define _POSIX_C_SOURCE 199309L
 
 #include "component.h"
@@ -27,21 +27,24 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double median(double times[ROUNDS])
+static void report(double times[ROUNDS])
 {
     qsort(times, ROUNDS, sizeof *times, ascending);
-    return times[ROUNDS / 2];
+    printf("%.1f %.1f\n", times[ROUNDS / 2], times[0]);
 }
 
-/* An input that never stands still. */
+/* A sine of 3 Hz and 6 mm, each input the derivative of the one before it: the floor's motion, for one. */
 static void move(double inputs[INPUT_COUNT + 1], int k)
 {
+    const double omega = 18.85;
+    double scale = 0.006;
     for (int i = 0; i < INPUT_COUNT; ++i) {
-        inputs[i] = 0.02 * ((double)((k * (37 + i)) % 101) / 50.0 - 1.0);
+        inputs[i] = scale * sin(omega * (double)k * h + 1.5707963 * (double)i);
+        scale *= omega;
     }
 }
 
-static double kernel(double *sum)
+static void kernel(double *sum)
 {
     static double inputs[STEPS][INPUT_COUNT + 1];
     const ModelParameters parameters = {MODEL_DEFAULTS};
@@ -70,10 +73,10 @@ static double kernel(double *sum)
         }
         times[round] = (now() - begin) / STEPS;
     }
-    return median(times);
+    report(times);
 }
 
-static double through_fmi(double *sum)
+static void through_fmi(double *sum)
 {
     static double inputs[STEPS][INPUT_COUNT + 1];
     fmi2ValueReference in[INPUT_COUNT + 1], out[1] = {FIRST_OUTPUT};
@@ -100,13 +103,13 @@ static double through_fmi(double *sum)
         times[round] = (now() - begin) / STEPS;
     }
     fmi2FreeInstance(fmu);
-    return median(times);
+    report(times);
 }
 
 int main(void)
 {
     double sum = 0.0;
-    const double alone = kernel(&sum), fmi = through_fmi(&sum);
-    printf("%.1f %.1f\n", alone, fmi);
+    kernel(&sum);
+    through_fmi(&sum);
     return isfinite(sum) ? 0 : 1;
 }

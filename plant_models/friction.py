@@ -10,9 +10,9 @@ by y = |dx|, with s = sgn(dx) and zeta = s z_d,
     d zeta/dy = A_d - (gamma_d + beta_d) zeta^2      for zeta >= 0, solved by tanh
     d zeta/dy = A_d + (gamma_d - beta_d) zeta^2      for zeta <  0, solved by tan until it crosses zero
 
-the latter two written so that a step costs one exponential or one tangent. So it needs no time integration, is exact for any step length, and stays within the plateau
-+-sqrt(A_d/(gamma_d + beta_d)). (Integrating (36) in time needs about 41 |v| explicit substeps per 2 ms; just below that
-it is finite and wrong.)
+each written so that it costs one exponential or one tangent. So a step needs no time integration, is exact for any
+length, and stays within the plateau +-sqrt(A_d/(gamma_d + beta_d)). (Integrating (36) in time needs about 41 |v|
+explicit substeps per 2 ms; just below that it is finite and wrong.)
 
 Erratum: the paper prints |v||z_d||z_d|, which has no plateau for v < 0. The usual Bouc-Wen form is meant: it saturates
 at 75.3 N both ways, the paper's "around 80 N".
@@ -24,7 +24,6 @@ import math
 from typing import NamedTuple
 
 from fmus.component import ParameterError
-
 
 _QUARTER_TURN = 0.5 * math.pi
 

@@ -220,10 +220,11 @@ def test_single_precision_follows_double_precision(tmp_path: Path):
         source = tmp_path / f"{kind}.c"
         source.write_text(
             """
-#include "model.h"
+#include "controller.h"
+#include "defaults.h"
 void run(int count, const double *accelerations, const double *deflections, double *forces)
 {
-    const seat_controller_parameters parameters = {MODEL_DEFAULTS};
+    const seat_controller_parameters parameters = {SEAT_CONTROLLER_DEFAULTS(seat_controller_real)};
     seat_controller_coefficients coefficients;
     seat_controller_state state;
     seat_controller_prepare(&parameters, &coefficients);
@@ -242,7 +243,7 @@ void run(int count, const double *accelerations, const double *deflections, doub
         )
         for name, content in source_files(COMPONENTS[0], STANDARDS["fmi2"], "{}").items():
             (tmp_path / name).write_bytes(content)
-        options = [f"-DSEAT_CONTROLLER_REAL={kind}", "-std=c99", "-O2", "-shared", "-fPIC", "-I."]
+        options = [f"-DSEAT_CONTROLLER_REAL={kind}", *STRICT, "-O2", "-shared", "-fPIC", "-I."]
         compile_c(tmp_path, *options, source.name, "controller.c", "-o", f"{kind}.so", "-lm")
         t = 0.002 * np.arange(1000)
         accelerations, deflections = np.sin(18.0 * t), 0.02 * np.sin(18.0 * t + 1.0)
