@@ -4,7 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test test-all clean
+.PHONY: run test test-all wheel clean
 
 run: $(VENV)/installed
 	$(BIN)/seat-cosim build --flavour fmi2
@@ -15,6 +15,11 @@ test: $(VENV)/installed-test
 
 test-all: $(VENV)/installed-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest
+
+# A wheel that carries the native FMUs for all platforms: `seat-cosim fmus --export DIR` takes them out again.
+wheel: $(VENV)/installed
+	$(BIN)/seat-cosim build --flavour fmi2 --flavour fmi3 --platforms all --output fmus/built
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
 
 $(VENV)/python: Makefile
 	$(PYTHON) -m venv $(VENV)
@@ -29,4 +34,4 @@ $(VENV)/installed-test: $(VENV)/installed
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python build dist *.egg-info
+	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built build dist *.egg-info

@@ -123,6 +123,26 @@ app.add_command(design)
 
 
 @app.command()
+@click.option("--export", "folder", type=click.Path(path_type=Path), required=True, metavar="DIR", help="Where to.")
+def fmus(folder: Path) -> None:
+    """Take the native FMUs, for all platforms, out of an installed wheel; needs no compiler.
+
+    \b
+    Example:
+      seat-cosim fmus --export fmus
+    """
+    from fmus.archive import CARRIED, BuildError, export
+
+    try:
+        for path in export(CARRIED, folder):
+            _console.print(str(path))
+    except BuildError as error:
+        raise SetupError(str(error)) from error
+    except OSError as error:
+        raise SetupError(f"{folder}: expected a folder to write to, got: {error.strerror}") from error
+
+
+@app.command()
 @click.argument("scenario", type=click.Choice(list(SCENARIOS)))
 @_mass_option
 @click.option("--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json.")

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import fmpy
+
+CARRIED = Path(__file__).with_name("built")
+"""Where a wheel carries built FMUs, each flavour in its subfolder."""
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -65,3 +69,34 @@ def guid_of(path: Path) -> str | None:
         return str(fmpy.read_model_description(str(path), validate=False).guid)
     except Exception:  # whatever is wrong with it, it is not the FMU to be built
         return None
+
+
+def export(carried: Path, folder: Path) -> Iterator[Path]:
+    """Copy the FMUs that came with an installed package, and what lies beside them.
+
+    Parameters
+    ----------
+    carried
+        Where they lie, each flavour in its subfolder.
+    folder
+        Where to; each flavour goes to its subfolder.
+
+    Yields
+    ------
+    Path
+        Each FMU as soon as it is there.
+
+    Raises
+    ------
+    BuildError
+        If there are none: the package was not installed from a wheel that carries them.
+    """
+    files = sorted(path for path in carried.glob("*/*") if path.is_file())
+    if not files:
+        raise BuildError(f"{carried}: expected the FMUs of a wheel, got none; build them: seat-cosim build")
+    for file in files:
+        target = folder / file.parent.name / file.name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, target)
+        if target.suffix == ".fmu":
+            yield target

@@ -87,14 +87,30 @@ def _packing(component: Component) -> Iterator[str]:
     yield "}\n"
 
 
-def starts(component: Component) -> str:
-    """Write the start values of all parameters as a C initialiser: ``.driver_mass = 55.0, ...``."""
+def _start(variable: Variable) -> str:
+    if variable.type is bool:
+        return str(bool(variable.start)).lower()
+    return str(int(variable.start or 0)) if variable.items else f"(real){variable.start!r}"
+
+
+def defaults_header(component: Component) -> str:
+    """Write ``defaults.h``: the start values of all parameters as an initialiser of the kernel's parameters.
+
+    Parameters
+    ----------
+    component
+        Whose. The macro's argument is the type of its numbers.
+    """
     records = [component.parameters, *([component.constants] if component.constants else [])]
     variables = [variable for record in records for variable in variables_of(record)]
-    return ", ".join(
-        f".{v.field} = {str(v.start).lower() if v.type is bool else int(v.start or 0) if v.items else v.start}"
-        for v in variables
-    )
+    lines = ", \\\n    ".join(f".{v.field} = {_start(v)}" for v in variables)
+    return f"""/* Generated from the declaration of {component.name}: do not edit.
+ *
+ *   const {prefix(component)}_parameters parameters = {{{prefix(component).upper()}_DEFAULTS(double)}};
+ */
+#define {prefix(component).upper()}_DEFAULTS(real) \\
+    {lines}
+"""
 
 
 def model_header(component: Component, token: str) -> str:
@@ -119,7 +135,7 @@ def model_header(component: Component, token: str) -> str:
     lines = [
         f"/* Generated from the declaration of {component.name}: do not edit. See component.h. */",
         "#ifndef MODEL_H\n#define MODEL_H\n",
-        f'#include "{kernel}.h"\n\n#include <math.h>\n#include <stdbool.h>\n',
+        f'#include "defaults.h"\n#include "{kernel}.h"\n\n#include <math.h>\n#include <stdbool.h>\n',
         f'#define MODEL_NAME "{component.name}"',
         f'#define MODEL_TOKEN "{token}"\n',
         "/* Times in s: what is the same time, the largest magnitude of a time, the longest step. */",
@@ -145,8 +161,7 @@ def model_header(component: Component, token: str) -> str:
         *_taking("model_parameters", "ModelParameters", of[""]),
         *_storing(of["OUTPUT"]),
         *_packing(component),
-        "/* The defaults of all parameters, for an initialiser of ModelParameters. */",
-        f"#define MODEL_DEFAULTS {starts(component)}\n",
+        f"#define MODEL_DEFAULTS {prefix(component).upper()}_DEFAULTS(double)\n",
         "#endif",
     ]
     return "\n".join(lines) + "\n"

@@ -18,7 +18,7 @@ import fmpy
 
 from fmus import cross_check, documentation
 from fmus.archive import BuildError, Built, guid_of, write_archive
-from fmus.c_header import model_header
+from fmus.c_header import defaults_header, model_header
 from fmus.component import Component
 from fmus.description import build_description_xml, content_guid, model_description, terminals_xml, to_xml
 
@@ -144,7 +144,8 @@ def source_files(component: Component, standard: Standard, token: str) -> dict[s
     glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "component.h")]
     headers = [_FMI_HEADERS / name for name in standard.headers]
     files = {path.name: path.read_bytes() for path in (kernel, kernel.with_suffix(".h"), *glue, *headers)}
-    return {**files, "model.h": model_header(component, token).encode()}
+    generated = {"model.h": model_header(component, token), "defaults.h": defaults_header(component)}
+    return {**files, **{name: text.encode() for name, text in generated.items()}}
 
 
 def _license() -> bytes:

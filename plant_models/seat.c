@@ -28,22 +28,31 @@ static double flushed(double state)
 
 /* ---- friction ---------------------------------------------------------------------------------------------------- */
 
-/* Move z_d along a one-way change of the deflection, exactly: tanh while loading, tan while unloading. */
+static const double quarter_turn = 1.57079632679489661923;
+
+/* Move z_d along a one-way change of the deflection, exactly: tanh while loading, tan while unloading, each written so
+ * that it costs one exponential or one tangent. */
 static double friction_state(double state, double increment, const seat_plant_friction *c)
 {
+    if (increment == 0.0) {
+        return state;
+    }
     double distance = fabs(increment);
     const double sign = increment >= 0.0 ? 1.0 : -1.0;
     double zeta = sign * state;
-    if (zeta < 0.0) {
-        const double phase = atan(zeta / c->unloading_scale) + c->unloading_rate * distance;
-        if (phase <= 0.0) {
-            return sign * c->unloading_scale * tan(phase);
+    if (zeta < 0.0) { /* unloading, up to zeta = 0 at most */
+        const double depth = -zeta / c->unloading_scale;
+        const double angle = c->unloading_rate * distance;
+        const double climb = angle < quarter_turn ? tan(angle) : INFINITY;
+        if (climb <= depth) {
+            return sign * c->unloading_scale * (climb - depth) / (1.0 + climb * depth); /* tan(angle - atan(depth)) */
         }
-        distance = phase / c->unloading_rate;
+        distance -= atan(depth) / c->unloading_rate;
         zeta = 0.0;
     }
-    const double rise = tanh(c->loading_rate * distance);
-    return sign * (zeta + c->plateau * rise) / (1.0 + zeta / c->plateau * rise);
+    const double fading = exp(-2.0 * c->loading_rate * distance); /* the step's tanh is (1 - fading)/(1 + fading) */
+    const double rest = 1.0 + fading, rise = 1.0 - fading;
+    return sign * (zeta * rest + c->plateau * rise) / (rest + zeta / c->plateau * rise);
 }
 
 /* Move z_d from one (deflection x, rate v) to the next, by way of the turning point where the rate, linear over the
@@ -78,13 +87,13 @@ static double seat_acceleration(double deflection, double rate, double stretch, 
                                 double force, const coefficients_t *c)
 {
     const double suspension = -c->k_f * deflection - c->c_f * rate - c->alpha * friction;
-    return (suspension + c->k_c * stretch + c->c_c * stretch_rate + force) / c->m_s;
+    return (suspension + c->k_c * stretch + c->c_c * stretch_rate + force) * c->per_m_s;
 }
 
 /* Solve (2) for z_b''. */
 static double driver_acceleration(double stretch, double stretch_rate, const coefficients_t *c)
 {
-    return (-c->k_c * stretch - c->c_c * stretch_rate) / c->m_b;
+    return (-c->k_c * stretch - c->c_c * stretch_rate) * c->per_m_b;
 }
 
 typedef struct {
@@ -201,8 +210,8 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
                "cushion_stiffness and friction.alpha and the dampings suspension_damping and cushion_damping "
                "on seat_mass and driver_mass";
     }
-    c->m_s = p->seat_mass;
-    c->m_b = p->driver_mass;
+    c->per_m_s = 1.0 / p->seat_mass;
+    c->per_m_b = 1.0 / p->driver_mass;
     c->k_f = p->suspension_stiffness;
     c->c_f = p->suspension_damping;
     c->k_c = p->cushion_stiffness;

@@ -43,7 +43,8 @@ typedef struct {
 
 /* Parameters as the step needs them, in the symbols of (1), (2) and (35). */
 typedef struct {
-    double m_s, m_b, k_f, c_f, k_c, c_c, alpha;
+    double per_m_s, per_m_b;                          /* 1/m_s, 1/m_b in 1/kg */
+    double k_f, c_f, k_c, c_c, alpha;
     seat_plant_friction friction;
     double substep;                                   /* longest Runge-Kutta substep in s */
 } seat_plant_coefficients;

@@ -52,10 +52,10 @@ class State(NamedTuple):
 
 
 class Coefficients(NamedTuple):
-    """Parameters as the step needs them, in the symbols of (1), (2) and (35)."""
+    """Parameters as the step needs them, in the symbols of (1), (2) and (35); ``per_m_s`` is 1/m_s."""
 
-    m_s: float
-    m_b: float
+    per_m_s: float
+    per_m_b: float
     k_f: float
     c_f: float
     k_c: float
@@ -106,8 +106,8 @@ def prepare(parameters: Parameters) -> Coefficients:
             f"got {fastest:g} rad/s from stiffness {stiffness:g} N/m and damping {damping:g} N.s/m on {lightest:g} kg"
         )
     return Coefficients(
-        m_s=p.seat_mass,
-        m_b=p.driver_mass,
+        per_m_s=1.0 / p.seat_mass,
+        per_m_b=1.0 / p.driver_mass,
         k_f=p.suspension_stiffness,
         c_f=p.suspension_damping,
         k_c=p.cushion_stiffness,
@@ -123,12 +123,12 @@ def _seat_acceleration(
 ) -> float:
     """Solve (1) for z_s''; stretch is z_b - z_s, friction is z_d."""
     suspension = -c.k_f * deflection - c.c_f * rate - c.alpha * friction
-    return (suspension + c.k_c * stretch + c.c_c * stretch_rate + force) / c.m_s
+    return (suspension + c.k_c * stretch + c.c_c * stretch_rate + force) * c.per_m_s
 
 
 def _driver_acceleration(stretch: float, stretch_rate: float, c: Coefficients) -> float:
     """Solve (2) for z_b''."""
-    return (-c.k_c * stretch - c.c_c * stretch_rate) / c.m_b
+    return (-c.k_c * stretch - c.c_c * stretch_rate) * c.per_m_b
 
 
 def _turned(friction: float, start: tuple[float, float], end: tuple[float, float], h: float, c: BoucWen) -> float:

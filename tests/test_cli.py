@@ -235,7 +235,23 @@ def test_build_says_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path:
     assert shell("build", "--flavour", "fmi3", "--output", "here")[1].count("up to date") == 3
 
 
-@pytest.mark.parametrize("command", [[], ["build"], ["run"], ["reproduce"], ["design"]])
+def test_fmus_of_a_wheel_are_exported(shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from fmus import archive
+
+    monkeypatch.setattr(archive, "CARRIED", tmp_path / "none")
+    code, _, err = shell("fmus", "--export", "out")
+    assert code == 2
+    assert "expected the FMUs of a wheel, got none; build them: seat-cosim build" in err
+    monkeypatch.setattr(archive, "CARRIED", native)
+    code, out, _ = shell("fmus", "--export", "out")
+    assert code == 0
+    assert str(Path("out", "fmi3", "Shaker.fmu")) in out
+    exported = tmp_path / "out" / "fmi2" / "SeatPlant.fmu"
+    assert exported.read_bytes() == (native / "fmi2" / "SeatPlant.fmu").read_bytes()
+    assert exported.with_name("SeatPlant_ref.csv").exists()
+
+
+@pytest.mark.parametrize("command", [[], ["build"], ["fmus"], ["run"], ["reproduce"], ["design"]])
 def test_help_has_an_example(shell: Shell, command: list[str]):
     code, out, _ = shell(*command, "--help", fmus=False)
     assert code == 0
