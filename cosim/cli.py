@@ -135,7 +135,7 @@ def fmus(folder: Path) -> None:
 
     try:
         for path in export(CARRIED, folder):
-            _console.print(str(path))
+            console.print(str(path))
     except BuildError as error:
         raise SetupError(str(error)) from error
     except OSError as error:
