@@ -27,6 +27,9 @@ from fmus.component import ParameterError
 
 _QUARTER_TURN = 0.5 * math.pi
 
+SETTLED = 1e-12
+"""A state within this share of the plateau is on it, and stays there as long as the deflection moves on."""
+
 
 class BoucWen(NamedTuple):
     """Coefficients of the closed-form step, see :func:`bouc_wen`.
@@ -108,6 +111,8 @@ def friction_state(state: float, increment: float, coefficients: BoucWen) -> flo
             return sign * unloading_scale * (climb - depth) / (1.0 + climb * depth)  # tan(angle - atan(depth))
         distance -= math.atan(depth) / unloading_rate
         zeta = 0.0
+    if abs(zeta - plateau) <= SETTLED * plateau:
+        return sign * plateau
     fading = math.exp(-2.0 * loading_rate * distance)  # the step's tanh is (1 - fading)/(1 + fading)
     rest, rise = 1.0 + fading, 1.0 - fading
     return sign * (zeta * rest + plateau * rise) / (rest + zeta / plateau * rise)

@@ -28,6 +28,9 @@ static double flushed(double state)
 
 /* ---- friction ---------------------------------------------------------------------------------------------------- */
 
+/* A state within this share of the plateau is on it, and stays there as long as the deflection moves on. */
+static const double settled = 1e-12;
+
 static const double quarter_turn = 1.57079632679489661923;
 
 /* Move z_d along a one-way change of the deflection, exactly: tanh while loading, tan while unloading, each written so
@@ -49,6 +52,9 @@ static double friction_state(double state, double increment, const seat_plant_fr
         }
         distance -= atan(depth) / c->unloading_rate;
         zeta = 0.0;
+    }
+    if (fabs(zeta - c->plateau) <= settled * c->plateau) {
+        return sign * c->plateau;
     }
     const double fading = exp(-2.0 * c->loading_rate * distance); /* the step's tanh is (1 - fading)/(1 + fading) */
     const double rest = 1.0 + fading, rise = 1.0 - fading;
