@@ -133,6 +133,12 @@ def _print(gains: Gains, certificate: Certificate) -> None:
     for index, mass, K, L, total in vertices:
         table.add_row(str(index), f"{mass:g} kg", f"{K[0]:.2f}", f"{K[1]:.2f}", f"{L:.1f}", f"{L / total:.1f}")
     console.print(table)
+    middle = 0.5 * (s.driver_mass_min + s.driver_mass_max)
+    h_1, _ = s.vertices.memberships(s.vertices.minimum + middle - s.driver_mass_min)
+    console.print(
+        f"  Memberships: h_1 falls from 1 at {s.driver_mass_min:g} kg by way of {h_1:.3f} at {middle:g} kg to 0 at "
+        f"{s.driver_mass_max:g} kg, h_2 = 1 - h_1; outside they stay.\n"
+    )
     table = Table(title=f"Certificate at lambda = {certificate.lambda_:.4g}", title_justify="left", box=SIMPLE)
     table.add_column("what")
     table.add_column("value", justify="right")
