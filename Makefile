@@ -7,13 +7,15 @@ BIN := $(VENV)/bin
 .PHONY: run test test-all wheel clean
 
 run: $(VENV)/installed
-	$(BIN)/seat-cosim build --flavour fmi2
+	$(BIN)/seat-cosim build
 	$(BIN)/seat-cosim reproduce bump
 
 test: $(VENV)/installed-test
+	$(BIN)/seat-cosim build
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not long"
 
 test-all: $(VENV)/installed-test
+	$(BIN)/seat-cosim build
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest
 
 # A wheel that carries the native FMUs for all platforms: `seat-cosim fmus --export DIR` takes them out again.
