@@ -226,6 +226,7 @@ class Instance(ABC):
         """
         with self.calling("initialisation"):
             if self._initialised:
+                self.journal.clear()  # what was said in an earlier run is that run's
                 self.fmu.reset()
             self._initialised = True
             self._begin(stop_time, values)

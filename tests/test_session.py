@@ -149,6 +149,13 @@ def test_warnings_of_the_fmus_come_with_the_result(system: System):
     assert result.warnings[0].startswith("controller: driver_mass 100.0 kg lies outside")
 
 
+def test_warnings_are_those_of_their_own_run(system: System):
+    with system.open() as session:
+        assert session.run(0.01, H, {"controller.driver_mass": 100.0}).warnings
+        assert not session.run(0.01, H).warnings
+        assert session.run(0.01, H, {"controller.driver_mass": 100.0}).warnings
+
+
 @pytest.mark.parametrize(
     ("stop", "step"), [(1.0, 0.0), (1.0, -1.0), (float("inf"), H), (1.0, float("nan")), (0.0031, H)]
 )
