@@ -9,7 +9,7 @@ import ctypes
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import chdir, contextmanager, suppress
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -93,7 +93,7 @@ class Instance(ABC):
         self._initialised = False
         self._dead = False
         self.fmu: Any = None
-        with self.calling("load"):
+        with self.calling("load"), chdir(Path.cwd()):  # fmpy does not come back from the folder of one that fails
             self.fmu = self.SLAVE(
                 guid=model.description.guid,
                 modelIdentifier=model.description.coSimulation.modelIdentifier,

@@ -184,6 +184,8 @@ def test_an_fmu_that_cannot_be_loaded_is_named_and_the_others_are_freed(system: 
             copy.writestr(name, b"no library" if name.endswith(".so") else archive.read(name))
     system.add("bad", tmp_path / "bad.fmu")
     before = left_behind()
+    here = Path.cwd()
     with pytest.raises(RunError, match="bad: load failed"):
         system.simulate(0.1, H)
     assert left_behind() == before
+    assert Path.cwd() == here
