@@ -13,10 +13,9 @@ import numpy as np
 
 from cosim.instance import Instance, extract, instantiate
 from cosim.model import Model
+from cosim.scenarios import STEP_SIZE
 
 Array = np.ndarray[Any, Any]
-
-STEP_SIZE = 0.002
 
 LINEAR = {"seat.friction.alpha": 0.0, "controller.force_limit": 1e9}
 """No friction and no limit: the loop that theory speaks of."""

@@ -13,13 +13,12 @@ from rich.table import Table
 
 from cosim.cli_design import design
 from cosim.console import console, progress_shown, stderr
-from cosim.errors import CosimError, RunError, SetupError
+from cosim.errors import CosimError, RunError, SetupError, writing_to
 from cosim.model import Value
 from cosim.results import Result, clear
 from cosim.scenarios import SCENARIOS, STEP_SIZE, control, driver_mass, observer, seat_suspension
 from cosim.system import System
-
-FLAVOURS = ("fmi2", "fmi3", "python")
+from fmus import FLAVOURS
 
 _fmus_option = click.option(
     "--fmus",
@@ -39,10 +38,8 @@ _mass_option = click.option(
 
 def _folder(folder: Path) -> Path:
     """Make a folder for results, or say why not."""
-    try:
+    with writing_to(folder):
         clear(folder)
-    except OSError as error:
-        raise SetupError(f"{folder}: expected a folder to write to, got: {error.strerror}") from error
     return folder
 
 
@@ -134,12 +131,11 @@ def fmus(folder: Path) -> None:
     from fmus.archive import CARRIED, BuildError, export
 
     try:
-        for path in export(CARRIED, folder):
-            console.print(str(path))
+        with writing_to(folder):
+            for path in export(CARRIED, folder):
+                console.print(str(path))
     except BuildError as error:
         raise SetupError(str(error)) from error
-    except OSError as error:
-        raise SetupError(f"{folder}: expected a folder to write to, got: {error.strerror}") from error
 
 
 @app.command()

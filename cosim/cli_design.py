@@ -12,7 +12,8 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.console import console, progress_shown
-from cosim.errors import RunError, SetupError
+from cosim.errors import RunError, SetupError, writing_to
+from seat_controller_fmu.design import FOLLOW, OBJECTIVES, SOLVERS
 
 if TYPE_CHECKING:
     from seat_controller_fmu.certify import Certificate
@@ -26,15 +27,13 @@ _FOLLOWS = (0.08, 0.14, 0.2, 0.3)
 
 @click.command()
 @click.option("--gains", "given", metavar="NAME|FILE", help="Certify a preset or a gains.json; design nothing.")
-@click.option(
-    "--objective", type=click.Choice(["trade-off", "margin", "lambda"]), default="trade-off", show_default=True
-)
+@click.option("--objective", type=click.Choice(OBJECTIVES), default=OBJECTIVES[0], show_default=True)
 @click.option("--lambda", "level", type=float, help="H-infinity level lambda [default: 1.2, the paper's].")
 @click.option(
     "--follow",
     type=float,
     metavar="HZ",
-    default=0.14,
+    default=FOLLOW,
     show_default=True,
     help="Trade-off: the seat follows the cabin below.",
 )
@@ -51,7 +50,7 @@ _FOLLOWS = (0.08, 0.14, 0.2, 0.3)
 @click.option("--alpha", type=float, help="[default: 0.02, Table 1]")
 @click.option("--c0", type=float, help="[default: 1, not given in the paper]")
 @click.option("--p2", type=float, help="[default: 400, Table 1]")
-@click.option("--solver", type=click.Choice(["CLARABEL", "SCS", "CVXOPT"]), default="CLARABEL", show_default=True)
+@click.option("--solver", type=click.Choice(SOLVERS), default=SOLVERS[0], show_default=True)
 @click.option(
     "--pareto/--no-pareto",
     default=None,
@@ -160,12 +159,10 @@ def _print(gains: Gains, certificate: Certificate) -> None:
 
 def _write(gains: Gains, folder: Path, *, survey: bool) -> None:
     """Write gains.json, gains.ssv and the figures."""
-    try:
+    with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "gains.json").write_text(gains.to_json(), encoding="utf-8")
         (folder / "gains.ssv").write_text(gains.to_ssv(), encoding="utf-8")
-    except OSError as error:
-        raise SetupError(f"{folder}: expected a folder to write to, got: {error.strerror}") from error
     _draw_transmissibility(gains, folder / "transmissibility.png")
     _draw_delay_margin(gains, folder / "delay_margin.png")
     if survey:

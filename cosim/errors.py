@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
 
 class CosimError(Exception):
     """Anything this package reports to its user."""
@@ -23,3 +27,12 @@ class SetupError(CosimError):
 
 class RunError(CosimError):
     """An FMU failed after it was instantiated; names component, call and time."""
+
+
+@contextmanager
+def writing_to(folder: Path) -> Iterator[None]:
+    """Turn what goes wrong in writing to a folder the user named into a :class:`SetupError`."""
+    try:
+        yield
+    except OSError as error:
+        raise SetupError(f"{folder}: expected a folder to write to, got: {error.strerror}") from error

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
+from fmus import FLAVOURS
 from fmus.archive import BuildError, Built, guid_of, read_archive, write_archive
 from fmus.component import Component
 from fmus.components import COMPONENTS
@@ -121,10 +122,6 @@ def build_python_fmu(component: Component, folder: Path) -> Built:
             raise BuildError(f"{component.name}: pythonfmu ended with {run.returncode}: {run.stderr.strip()[-500:]}")
         write_archive(target, read_archive(built))
     return Built(target, fresh=True)
-
-
-FLAVOURS = (*STANDARDS, "python")
-"""All flavours; the FMUs of a flavour lie in the folder of its name."""
 
 
 def build(folder: Path, flavours: Sequence[str] = FLAVOURS, platforms: Sequence[str] = ()) -> Iterator[Built]:

@@ -7,7 +7,7 @@ from html import escape
 
 from fmus.component import Component
 from fmus.description import STEP_SIZE, STOP_TIME
-from fmus.tables import COLUMNS, row
+from fmus.tables import COLUMNS, CONVENTIONS, row
 
 _STYLE = "body {font-family: sans-serif; max-width: 75em} td, th {padding: .2em .6em; text-align: left}"
 
@@ -45,8 +45,7 @@ def page(component: Component) -> str:
 <body>
 <h1>{component.name}</h1>
 <p>{escape(component.description)}.</p>
-<p>Up is positive for displacements, forces and accelerations; displacements are from static equilibrium, accelerations
-without gravity; everything starts at rest. The recommended communication step is {STEP_SIZE} s.</p>
+<p>{CONVENTIONS} The recommended communication step is {STEP_SIZE} s.</p>
 <h2>Variables</h2>
 {_table(component)}
 <h2>Equations</h2>

@@ -9,11 +9,16 @@ from fmus.variables import Variable
 PATH = "docs/variables.md"
 """Where the page lies in the repository."""
 
-_HEAD = """# Variables of the FMUs
+CONVENTIONS = """Up is positive for displacements, forces and accelerations; displacements are from static equilibrium,
+accelerations without gravity; everything starts at rest."""
+"""What all variables have in common."""
+
+_HEAD = f"""# Variables of the FMUs
 
 Generated from the declarations by `python -m fmus.tables > docs/variables.md`. All flavours of a component have these
-variables in this order; the value reference is the position. Up is positive for displacements, forces and
-accelerations; displacements are from static equilibrium, accelerations without gravity; everything starts at rest.
+variables in this order; the value reference is the position.
+
+{CONVENTIONS}
 """
 
 
