@@ -21,7 +21,10 @@ _STYLE: Any = {
     "figure.dpi": 150,
     "font.size": 9,
     "grid.alpha": 0.3,
+    "legend.columnspacing": 1.2,
+    "legend.fontsize": 8,
     "legend.frameon": False,
+    "legend.handlelength": 1.6,
     "lines.linewidth": 1.2,
 }
 
