@@ -13,7 +13,9 @@ import numpy as np
 
 from cosim.instance import Instance, extract, instantiate
 from cosim.model import Model
-from cosim.scenarios import STEP_SIZE
+from seat_controller_fmu.parameters import SAMPLE_TIME
+
+STEP_SIZE = SAMPLE_TIME.value
 
 Array = np.ndarray[Any, Any]
 

@@ -15,7 +15,7 @@ import numpy as np
 from cosim.figures import Curve, Panel, draw
 from cosim.model import Value
 from cosim.results import Result
-from cosim.scenarios import SCENARIOS, STEP_SIZE, control, driver_mass, observer
+from cosim.scenarios import SCENARIOS, control, driver_mass, observer
 from cosim.system import System
 
 
@@ -81,8 +81,7 @@ def run(
                 name,
                 session.run(
                     bump.stop_time,
-                    STEP_SIZE,
-                    parameters,
+                    parameters=parameters,
                     progress=lambda time, name=name: report(name, time / bump.stop_time),  # type: ignore[misc]
                 ),
             )

@@ -16,7 +16,7 @@ from cosim.console import console, progress_shown, stderr
 from cosim.errors import CosimError, RunError, SetupError, writing_to
 from cosim.model import Value
 from cosim.results import Result, clear
-from cosim.scenarios import SCENARIOS, STEP_SIZE, control, driver_mass, observer, seat_suspension
+from cosim.scenarios import SCENARIOS, control, driver_mass, observer, seat_suspension
 from cosim.system import System
 from fmus import FLAVOURS
 
@@ -146,7 +146,7 @@ def fmus(folder: Path) -> None:
 @click.option("--control", "switch", type=click.Choice(["on", "off"]), help="Controller on or off [default: on].")
 @click.option("--set", "settings", multiple=True, metavar="COMPONENT.VARIABLE=VALUE", help="Any parameter; wins.")
 @click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
-@click.option("--step-size", type=float, metavar="S", default=STEP_SIZE, show_default=True)
+@click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
 @_flavour_option
 @_fmus_option
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
@@ -158,7 +158,7 @@ def run(
     switch: str | None,
     settings: tuple[str, ...],
     stop_time: float | None,
-    step_size: float,
+    step_size: float | None,
     flavour: str,
     fmus_folder: Path,
     output: Path | None,
@@ -237,7 +237,7 @@ def reproduce(what: str, driver_mass: float | None, flavour: str, fmus_folder: P
     system = seat_suspension(fmus_folder / flavour)
     mass = system.start("seat.driver_mass") if driver_mass is None else driver_mass
     cases = bump.cases({number: gamma.value for number, gamma in OBSERVERS.items()})
-    system.validate(SCENARIOS[what].stop_time, STEP_SIZE, _driver(mass))
+    system.validate(SCENARIOS[what].stop_time, parameters=_driver(mass))
     folders = {name: _folder(output / what / name) for name in cases}
     results: dict[str, Result] = {}
     with progress_shown("bump") as report:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import chdir, contextmanager, suppress
 from dataclasses import dataclass
 from itertools import count
@@ -25,6 +25,7 @@ from fmpy.model_description import ModelVariable
 
 from cosim.errors import RunError, SetupError
 from cosim.model import KINDS, Model
+from cosim.units import IDENTITY, Linear
 
 _WARNING, _FATAL = 1, 4
 _STATUS = dict(enumerate(("ok", "warning", "discard", "error", "fatal", "pending")))
@@ -46,6 +47,8 @@ class Port:
         The values of all components' outputs.
     places
         Where in ``table`` each value belongs.
+    factors, offsets
+        What transforms values on their way from the table; both None where they stay as they are.
     """
 
     access: Callable[..., int]
@@ -53,6 +56,8 @@ class Port:
     buffer: np.ndarray[Any, Any]
     table: np.ndarray[Any, Any]
     places: np.ndarray[Any, Any]
+    factors: np.ndarray[Any, Any] | None = None
+    offsets: np.ndarray[Any, Any] | None = None
 
     def call(self) -> None:
         """Move the values between the FMU and the buffer."""
@@ -157,7 +162,7 @@ class Instance(ABC):
         self,
         table: np.ndarray[Any, Any],
         outputs: Mapping[str, int],
-        inputs: Mapping[str, int],
+        inputs: Mapping[str, tuple[int, Linear]],
     ) -> None:
         """Say where in the table of values each output goes and each connected input comes from.
 
@@ -165,35 +170,45 @@ class Instance(ABC):
         ----------
         table
             Values of all components' outputs, float64.
-        outputs, inputs
+        outputs
             Variable name to place in ``table``.
+        inputs
+            Variable name to place in ``table`` and what transforms the value found there.
         """
-        self._outputs = [self._port("Get", kind, table, places) for kind, places in self._by_kind(outputs)]
-        self._inputs = [self._port("Set", kind, table, places) for kind, places in self._by_kind(inputs)]
+        given = {name: (place, IDENTITY) for name, place in outputs.items()}
+        self._outputs = [self._port("Get", kind, table, names, given) for kind, names in self._by_kind(given)]
+        self._inputs = [self._port("Set", kind, table, names, inputs) for kind, names in self._by_kind(inputs)]
 
-    def _by_kind(self, places: Mapping[str, int]) -> Iterator[tuple[str, dict[int, int]]]:
+    def _by_kind(self, names: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
         for kind in self.C_TYPES:
-            found = {
-                self.model.variables[name].valueReference: place
-                for name, place in places.items()
-                if self._access(self.model.variables[name]) == kind
-            }
+            found = [name for name in names if self._access(self.model.variables[name]) == kind]
             if found:
                 yield kind, found
 
     def _access(self, variable: ModelVariable) -> str:
         return self.ACCESS.get(variable.type, str(variable.type))
 
-    def _port(self, direction: str, kind: str, table: np.ndarray[Any, Any], places: Mapping[int, int]) -> Port:
-        buffer = np.zeros(len(places), dtype=np.dtype(self.C_TYPES[kind]))
-        references = (ctypes.c_uint * len(places))(*places)
+    def _port(
+        self,
+        direction: str,
+        kind: str,
+        table: np.ndarray[Any, Any],
+        names: Sequence[str],
+        places: Mapping[str, tuple[int, Linear]],
+    ) -> Port:
+        buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
+        references = (ctypes.c_uint * len(names))(*(self.model.variables[name].valueReference for name in names))
         pointer = buffer.ctypes.data_as(ctypes.POINTER(self.C_TYPES[kind]))
+        transformations = [places[name][1] for name in names]
+        identical = all(transformation == IDENTITY for transformation in transformations)
         return Port(
             access=getattr(self.fmu, f"{self.PREFIX}{direction}{kind}"),
-            arguments=self._arguments(references, len(places), pointer),
+            arguments=self._arguments(references, len(names), pointer),
             buffer=buffer,
             table=table,
-            places=np.array(list(places.values())),
+            places=np.array([places[name][0] for name in names]),
+            factors=None if identical else np.array([t.factor for t in transformations]),
+            offsets=None if identical else np.array([t.offset for t in transformations]),
         )
 
     def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
@@ -203,7 +218,8 @@ class Instance(ABC):
     def take_inputs(self) -> None:
         """Set all connected inputs from the table of values."""
         for port in self._inputs:
-            port.buffer[:] = port.table[port.places]
+            values = port.table[port.places]
+            port.buffer[:] = values if port.factors is None else port.factors * values + port.offsets
             port.call()
 
     def give_outputs(self) -> None:

@@ -13,6 +13,7 @@ import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from cosim.errors import SetupError
+from cosim.units import Unit
 
 Value = float | bool | str
 """A parameter's value as a user gives it: enumerations by item name or number."""
@@ -111,13 +112,13 @@ class Model:
         """Return the name of a variable's unit, its type's unit where it has none of its own."""
         return variable.unit or (variable.declaredType.unit if variable.declaredType else None)
 
-    def dimension(self, variable: ModelVariable) -> tuple[float, ...] | None:
-        """Return base unit exponents, factor and offset of a variable's unit, or None where they are not defined."""
+    def defined_unit(self, variable: ModelVariable) -> Unit | None:
+        """Return a variable's unit by its definition, or None where there is none."""
         unit = next((u for u in self.description.unitDefinitions if u.name == self.unit(variable)), None)
         if unit is None or unit.baseUnit is None:
             return None
         b = unit.baseUnit
-        return (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad, b.factor, b.offset)
+        return Unit(unit.name, (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad), b.factor, b.offset)
 
     def bound(self, variable: ModelVariable, which: str) -> float | None:
         """Return a variable's ``min`` or ``max``, its type's where it has none of its own."""

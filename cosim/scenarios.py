@@ -13,9 +13,6 @@ from cosim.errors import SetupError
 from cosim.model import Value
 from cosim.system import System
 
-STEP_SIZE = 0.002
-"""Communication step in s: the controller's sample time."""
-
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
 
 _CONNECTIONS = {

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from cosim.clock import Clock
 from cosim.errors import CosimError, RunError
 from cosim.instance import Instance, extract, instantiate
-from cosim.master import Clock, Observer, gauss_seidel
+from cosim.master import Observer, gauss_seidel
 from cosim.model import Value
 from cosim.results import Result
 from cosim.structure import Structure
@@ -117,8 +118,8 @@ class Session:
                     self._table,
                     outputs={v.name: self._places[f"{name}.{v.name}"] for v in model.outputs},
                     inputs={
-                        sink.variable: self._places[str(source)]
-                        for sink, source in self._system.connections.items()
+                        sink.variable: (self._places[str(feed.source)], feed.transformation)
+                        for sink, feed in self._system.connections.items()
                         if sink.component == name
                     },
                 )
@@ -134,8 +135,8 @@ class Session:
 
     def run(
         self,
-        stop_time: float,
-        step_size: float,
+        stop_time: float | None = None,
+        step_size: float | None = None,
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
         progress: Callable[[float], None] | None = None,
@@ -145,7 +146,7 @@ class Session:
         Parameters
         ----------
         stop_time, step_size
-            In s; the first a multiple of the second.
+            In s; the first a multiple of the second. Where None, the system's.
         parameters
             ``component.variable`` to value; all others start from their defaults, whatever ran before.
         record
@@ -165,11 +166,11 @@ class Session:
         RunError
             If an FMU failed while initialising.
         """
-        clock = Clock.until(stop_time, step_size)
+        clock = self._system.clock(stop_time, step_size)
         values = self._system.check(parameters or {})
         recorded = self._system.recorded(record)
         order = [self._instances[name] for name in self._system.order]
-        self._initialise(stop_time, values)
+        self._initialise(clock.stop_time, values)
         recorder = Recorder(
             self._table,
             [self._places[name] for name in recorded],

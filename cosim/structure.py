@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 from fmpy.model_description import ModelVariable
 
+from cosim.clock import Clock
 from cosim.errors import SetupError
 from cosim.model import KINDS, NUMERIC, Model, Value, nearest
+from cosim.units import IDENTITY, Linear, conversion
+
+Algorithm = Literal["gauss-seidel", "jacobi"]
+"""How components exchange values: each with the newest of the others, or all at once with those of the step before."""
+
+ALGORITHMS: tuple[Algorithm, ...] = get_args(Algorithm)
 
 
 class Port(NamedTuple):
@@ -30,16 +37,42 @@ class Port(NamedTuple):
         return cls(component, variable)
 
 
+class Feed(NamedTuple):
+    """What an input takes: an output's value, transformed."""
+
+    source: Port
+    transformation: Linear = IDENTITY
+
+
 class Structure:
-    """FMUs and their connections, by their descriptions alone: nothing is loaded.
+    """FMUs, their connections and how to run them, by their descriptions alone: nothing is loaded.
 
     Every check that a description allows is made as soon as its two ends are known.
+
+    Attributes
+    ----------
+    models
+        Component to its FMU.
+    connections
+        Input to what feeds it.
+    parameters
+        ``component.variable`` to the value the system gives it; a run may give others.
+    algorithm
+        How values are exchanged.
+    component_steps
+        Component to its own step size in s, where it is not that of the system: a multiple of it or a whole part.
+    stop_time
+        How long a run lasts where it says nothing else, in s; None where that is not known.
     """
 
     def __init__(self) -> None:
         self.models: dict[str, Model] = {}
-        self.connections: dict[Port, Port] = {}
-        """Input to the output that feeds it."""
+        self.connections: dict[Port, Feed] = {}
+        self.parameters: dict[str, Value] = {}
+        self.algorithm: Algorithm = ALGORITHMS[0]
+        self.component_steps: dict[str, float] = {}
+        self.stop_time: float | None = None
+        self._step_size: float | None = None
         self._order: tuple[str, ...] | None = None
 
     # ---- building ----------------------------------------------------------------------------------------------------
@@ -65,18 +98,28 @@ class Structure:
             raise SetupError(f"component {name}: expected a new name, got one that is there already")
         self.models[name] = Model.read(fmu)
 
-    def connect(self, output: str, input: str) -> None:  # noqa: A002
+    def connect(
+        self,
+        output: str,
+        input: str,  # noqa: A002
+        transformation: Linear = IDENTITY,
+        convert_units: bool = True,
+    ) -> None:
         """Connect an output to an input.
 
         Parameters
         ----------
         output, input
             ``component.variable`` of each end.
+        transformation
+            Applied to each value, after the conversion of units.
+        convert_units
+            Whether to convert between the units the FMUs define; otherwise units are not looked at.
 
         Raises
         ------
         SetupError
-            If an end does not exist, has the wrong causality, the input is fed already, or types or units differ.
+            If an end does not exist, has the wrong causality, the input is fed already, or types or dimensions differ.
         """
         source, sink = Port.parse(output), Port.parse(input)
         ends = {"output": (source, self._variable(source)), "input": (sink, self._variable(sink))}
@@ -87,11 +130,35 @@ class Structure:
             if variable.causality != causality
         ]
         if sink in self.connections:
-            problems.append(f"{between}: expected a free input, got one that {self.connections[sink]} feeds")
-        problems += self._mismatch(between, source, sink)
+            problems.append(f"{between}: expected a free input, got one that {self.connections[sink].source} feeds")
+        kinds = [KINDS[variable.type] for _, variable in ends.values()]
+        if kinds[0] != kinds[1] or kinds[0] not in NUMERIC:
+            types = " and ".join(variable.type for _, variable in ends.values())
+            problems.append(f"{between}: expected two ends of one numeric type, got {types}")
+        elif transformation != IDENTITY and kinds[0] != "Real":
+            problems.append(f"{between}: expected no transformation of values of type {kinds[0]}, got {transformation}")
+        converted = self._conversion(source, sink) if convert_units else IDENTITY
+        if converted is None:
+            units = " and ".join(str(self.unit(str(port))) for port in (source, sink))
+            problems.append(f"{between}: expected two units of one dimension, got {units}")
         if problems:
             raise SetupError(*problems)
-        self.connections[sink] = source
+        self.connections[sink] = Feed(source, transformation.after(converted or IDENTITY))
+
+    def disconnect(self, input: str) -> None:  # noqa: A002
+        """Free an input.
+
+        Raises
+        ------
+        SetupError
+            If nothing feeds it.
+        """
+        sink = Port.parse(input)
+        self._variable(sink)
+        if sink not in self.connections:
+            fed = [str(port) for port in self.connections]
+            raise SetupError(f"{sink}: expected an input that is fed, got one that is free{nearest(input, fed)}")
+        del self.connections[sink]
 
     def _variable(self, port: Port) -> ModelVariable:
         if port.component not in self.models:
@@ -101,18 +168,9 @@ class Structure:
             )
         return self.models[port.component].variable(port.component, port.variable)
 
-    def _mismatch(self, between: str, source: Port, sink: Port) -> list[str]:
-        """Compare type and unit of two ends; a unit that is missing or undefined at one end is not compared."""
-        (model_out, out), (model_in, in_) = ((self.models[p.component], self._variable(p)) for p in (source, sink))
-        problems = []
-        if KINDS[out.type] != KINDS[in_.type] or KINDS[out.type] not in NUMERIC:
-            problems.append(f"{between}: expected two ends of one numeric type, got {out.type} and {in_.type}")
-        dimensions = model_out.dimension(out), model_in.dimension(in_)
-        if None not in dimensions and dimensions[0] != dimensions[1]:
-            problems.append(
-                f"{between}: expected two ends of one unit, got {model_out.unit(out)} and {model_in.unit(in_)}"
-            )
-        return problems
+    def _conversion(self, source: Port, sink: Port) -> Linear | None:
+        """Find what converts between the units of two ends; None where the dimensions differ."""
+        return conversion(*(self.models[port.component].defined_unit(self._variable(port)) for port in (source, sink)))
 
     @property
     def order(self) -> tuple[str, ...]:
@@ -126,10 +184,37 @@ class Structure:
             raise SetupError(f"order: expected each of {', '.join(self.models)} once, got {', '.join(names)}")
         self._order = tuple(names)
 
+    @property
+    def step_size(self) -> float | None:
+        """Communication step in s: as set, else the smallest that an FMU's default experiment asks for."""
+        if self._step_size is not None:
+            return self._step_size
+        experiments = [model.description.defaultExperiment for model in self.models.values()]
+        return min((float(e.stepSize) for e in experiments if e is not None and e.stepSize), default=None)
+
+    @step_size.setter
+    def step_size(self, seconds: float | None) -> None:
+        self._step_size = seconds
+
+    def clock(self, stop_time: float | None = None, step_size: float | None = None) -> Clock:
+        """Make the clock of a run, of the system's own times where None is given.
+
+        Raises
+        ------
+        SetupError
+            If a time is not given anywhere or makes no sense.
+        """
+        stop_time = self.stop_time if stop_time is None else stop_time
+        step_size = self.step_size if step_size is None else step_size
+        if stop_time is None or step_size is None:
+            missing = "stop time" if stop_time is None else "step size"
+            raise SetupError(f"{missing}: expected one, as neither the system nor its FMUs have a default, got none")
+        return Clock.until(stop_time, step_size)
+
     # ---- checks ------------------------------------------------------------------------------------------------------
 
     def check(self, parameters: Mapping[str, Value]) -> dict[str, dict[str, float | str]]:
-        """Check parameters against the descriptions.
+        """Check the system's own parameters and those of a run, which win, against the descriptions.
 
         Parameters
         ----------
@@ -148,12 +233,14 @@ class Structure:
         """
         values: dict[str, dict[str, float | str]] = {name: {} for name in self.models}
         problems: list[str] = []
-        for text, given in parameters.items():
+        for text, given in {**self.parameters, **parameters}.items():
             try:
                 port = Port.parse(text)
                 self._variable(port)
                 if port in self.connections:
-                    raise SetupError(f"{port}: expected a free input, got one that {self.connections[port]} feeds")
+                    raise SetupError(
+                        f"{port}: expected a free input, got one that {self.connections[port].source} feeds"
+                    )
                 values[port.component][port.variable] = self.models[port.component].value(*port, given)
             except SetupError as error:
                 problems += error.problems

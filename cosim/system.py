@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 
 from cosim.errors import SetupError
-from cosim.master import Clock
 from cosim.model import Value
 from cosim.results import Result
 from cosim.session import Session
@@ -26,9 +25,9 @@ class System(Structure):
 
     def validate(
         self,
-        stop_time: float,
-        step_size: float,
-        parameters: Mapping[str, Value],
+        stop_time: float | None = None,
+        step_size: float | None = None,
+        parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
     ) -> None:
         """Check all that can be checked before an FMU is loaded.
@@ -40,8 +39,8 @@ class System(Structure):
         """
         problems: list[str] = []
         for check in (
-            lambda: Clock.until(stop_time, step_size),
-            lambda: self.check(parameters),
+            lambda: self.clock(stop_time, step_size),
+            lambda: self.check(parameters or {}),
             lambda: self.recorded(record),
         ):
             try:
@@ -57,14 +56,13 @@ class System(Structure):
 
     def simulate(
         self,
-        stop_time: float,
-        step_size: float,
+        stop_time: float | None = None,
+        step_size: float | None = None,
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Result:
         """Load, run once, free; see :meth:`cosim.session.Session.run`."""
-        parameters = parameters or {}
         self.validate(stop_time, step_size, parameters, record)
         with self.open() as session:
             return session.run(stop_time, step_size, parameters, record, progress)

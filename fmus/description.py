@@ -13,14 +13,14 @@ import fmpy.model_description as fmi
 from lxml import etree
 
 from fmus.component import Component
+from fmus.components import COMPONENTS
 from fmus.units import dimension
 from fmus.variables import Variable
 
 STOP_TIME = 3.0
 """Stop time of the default experiment, in s: the paper's bump with its decay."""
-
-STEP_SIZE = 0.002
-"""Communication step of the default experiment, in s: the controller's sample time."""
+STEP_SIZE = min(component.sample_time for component in COMPONENTS if component.sample_time is not None)
+"""Communication step of the default experiment, in s: that of the component that samples."""
 
 LOG_CATEGORIES = {
     "logStatusWarning": "Legal, but worth a look",

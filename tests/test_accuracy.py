@@ -92,9 +92,9 @@ def test_a_floor_without_its_velocity_fails_these_bounds(fmus, system: System):
     held = System()
     for name, model in system.models.items():
         held.add(name, model.path)
-    for sink, source in system.connections.items():
+    for sink, feed in system.connections.items():
         if sink.variable != "floor_velocity":
-            held.connect(str(source), str(sink))
+            held.connect(str(feed.source), str(sink))
     held.order = system.order
     result = held.simulate(3.0, H, control(False))
     expected = read_csv(DATA / "bump55_uncontrolled.csv")

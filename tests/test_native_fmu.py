@@ -192,8 +192,8 @@ def test_fmi_2_and_fmi_3_run_together(native: Path):
     mixed = System()
     for name, model in one.models.items():
         mixed.add(name, native / ("fmi3" if name == "seat" else "fmi2") / model.path.name)
-    for sink, source in one.connections.items():
-        mixed.connect(str(source), str(sink))
+    for sink, feed in one.connections.items():
+        mixed.connect(str(feed.source), str(sink))
     mixed.order = one.order
     expected = columns(one, control(True), 0.5)
     for name, values in columns(mixed, control(True), 0.5).items():

@@ -13,7 +13,7 @@ import pytest
 
 import fmus.build as builder
 from cosim import RunError, SetupError, System
-from cosim.master import Clock
+from cosim.clock import Clock
 from cosim.results import COMPLETE, PARTIAL
 
 H = 0.002

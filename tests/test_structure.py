@@ -10,6 +10,8 @@ import pytest
 
 from cosim import SetupError, System
 from cosim.model import Model
+from cosim.structure import Port
+from cosim.units import IDENTITY, Linear, Unit, conversion
 
 
 def edited(fmu: Path, target: Path, *replacements: tuple[str, str]) -> Path:
@@ -38,7 +40,7 @@ def pair(fmus: Path) -> System:
 @pytest.mark.parametrize(
     ("source", "sink", "problem"),
     [
-        ("shaker.floor_displacement", "seat.floor_velocity", "expected two ends of one unit, got m and m/s"),
+        ("shaker.floor_displacement", "seat.floor_velocity", "expected two units of one dimension, got m and m/s"),
         ("shaker.floor_displacment", "seat.floor_displacement", "did you mean floor_displacement"),
         ("shaker.floor_displacement", "seat.floor", "seat.floor: expected a variable of SeatPlant.fmu, got none"),
         ("shaker.bump.height", "seat.floor_displacement", "shaker.bump.height to be an output, got a parameter"),
@@ -72,15 +74,61 @@ def test_types_must_agree(fmus: Path, pair: System):
         pair.connect("controller.saturated", "seat.force")
 
 
-def test_one_dimension_in_two_units_is_refused(fmus: Path, tmp_path: Path, pair: System):
+def test_one_dimension_in_two_units_is_converted(fmus: Path, tmp_path: Path, pair: System):
     millimetres = edited(
         fmus / "Shaker.fmu", tmp_path / "mm.fmu", ('<BaseUnit m="1"/>', '<BaseUnit m="1" factor="0.001"/>')
     )
     pair.add("other", millimetres)
-    with pytest.raises(
-        SetupError, match="other.floor_displacement -> seat.floor_displacement: expected two ends of one"
-    ):
-        pair.connect("other.floor_displacement", "seat.floor_displacement")
+    pair.connect("other.floor_displacement", "seat.floor_displacement")
+    assert pair.connections[Port("seat", "floor_displacement")].transformation == Linear(0.001)
+    result = pair.simulate(0.02, 0.002)
+    held = result["seat.seat_displacement"] - result["seat.suspension_deflection"]  # the floor of the step before
+    assert held[1:] == pytest.approx(1e-3 * result["other.floor_displacement"][:-1], rel=1e-9)
+    assert held[-1] > 0.0
+
+
+def test_units_are_converted_both_ways_and_offsets_too():
+    celsius, kelvin = Unit("degC", (0, 0, 0, 0, 1, 0, 0, 0), 1.0, 273.15), Unit("K", (0, 0, 0, 0, 1, 0, 0, 0))
+    metre, g = Unit("m", (0, 1, 0, 0, 0, 0, 0, 0)), Unit("g", (0, 1, -2, 0, 0, 0, 0, 0), 9.80665)
+    metre_per_second2 = Unit("m/s2", (0, 1, -2, 0, 0, 0, 0, 0))
+    assert conversion(celsius, kelvin)(20.0) == pytest.approx(293.15)
+    assert conversion(kelvin, celsius)(293.15) == pytest.approx(20.0)
+    assert conversion(g, metre_per_second2)(2.0) == 2 * 9.80665
+    assert conversion(metre, g) is None
+    assert conversion(metre, None) == conversion(metre, metre._replace(name="metre")) == IDENTITY
+
+
+def test_transformations_compose_in_their_order():
+    both = Linear(2.0, 1.0).after(Linear(3.0, 5.0))
+    assert both(7.0) == 2.0 * (3.0 * 7.0 + 5.0) + 1.0
+    assert Linear(2.0, 1.0).after(IDENTITY) == IDENTITY.after(Linear(2.0, 1.0)) == Linear(2.0, 1.0)
+
+
+def test_a_transformation_comes_after_the_conversion_of_units(fmus: Path, tmp_path: Path, pair: System):
+    pair.add(
+        "mm",
+        edited(fmus / "Shaker.fmu", tmp_path / "mm.fmu", ('<BaseUnit m="1"/>', '<BaseUnit m="1" factor="0.001"/>')),
+    )
+    pair.connect("mm.floor_displacement", "seat.floor_displacement", Linear(-1.0, 0.5))
+    pair.connect("mm.floor_velocity", "seat.floor_acceleration", Linear(2.0), convert_units=False)
+    transformations = {port.variable: feed.transformation for port, feed in pair.connections.items()}
+    assert transformations == {"floor_displacement": Linear(-0.001, 0.5), "floor_acceleration": Linear(2.0)}
+
+
+def test_an_input_is_freed(pair: System):
+    pair.connect("shaker.floor_displacement", "seat.floor_displacement")
+    pair.disconnect("seat.floor_displacement")
+    assert not pair.connections
+    with pytest.raises(SetupError, match=r"seat.force: expected an input that is fed, got one that is free"):
+        pair.disconnect("seat.force")
+
+
+def test_a_run_needs_times_from_somewhere(fmus: Path, tmp_path: Path, pair: System):
+    assert pair.step_size == 0.002
+    with pytest.raises(SetupError, match="stop time: expected one, as neither the system nor its FMUs"):
+        pair.simulate()
+    pair.stop_time = 0.01
+    assert len(pair.simulate().time) == 6
 
 
 def test_a_missing_unit_is_not_compared(fmus: Path, tmp_path: Path, pair: System):
