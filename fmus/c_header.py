@@ -83,6 +83,27 @@ def _packing(component: Component) -> Iterator[str]:
     for field, loop, place in _places(component):
         yield f"    {loop}state->{place} = *packed++{' != 0.0' if field.kind is bool else ''};"
     yield "}\n"
+    yield from _copying(state_fields(component.state))
+
+
+def _copying(fields: tuple[StateField, ...]) -> Iterator[str]:
+    """Write how a state is copied: what is not in use of its last field costs nothing."""
+    last = fields[-1] if fields and fields[-1].used else None
+    yield "/* How many numbers at the end of a state are in use, where that changes; those behind them are zero. */"
+    yield "static inline size_t model_tail(const ModelState *state)"
+    yield "{"
+    yield "    (void)state;"
+    yield f"    return {f'(size_t)state->{last.used}' if last else '0'};"
+    yield "}\n"
+    yield "static inline void model_copy(ModelState *to, const ModelState *from, size_t tail)"
+    yield "{"
+    yield f"    memcpy(to, from, {f'offsetof(ModelState, {last.name})' if last else 'sizeof *to'});"
+    yield "    (void)tail;"
+    if last:
+        yield "    if (tail > 0) {"
+        yield f"        memcpy(to->{last.name}, from->{last.name}, tail * sizeof *to->{last.name});"
+        yield "    }"
+    yield "}\n"
 
 
 def _places(component: Component) -> Iterator[tuple[StateField, str, str]]:
@@ -143,7 +164,8 @@ def model_header(component: Component, token: str) -> str:
     lines = [
         f"/* Generated from the declaration of {component.name}: do not edit. See component.h. */",
         "#ifndef MODEL_H\n#define MODEL_H\n",
-        f'#include "defaults.h"\n#include "{kernel}.h"\n\n#include <math.h>\n#include <stdbool.h>\n',
+        f'#include "defaults.h"\n#include "{kernel}.h"\n',
+        "#include <math.h>\n#include <stdbool.h>\n#include <stddef.h>\n#include <string.h>\n",
         f'#define MODEL_NAME "{component.name}"',
         f'#define MODEL_TOKEN "{token}"\n',
         "/* Times in s: what is the same time, the largest magnitude of a time, the longest step. */",

@@ -42,20 +42,27 @@ class StateField(NamedTuple):
         ``float``, ``int`` or ``bool``, of each number.
     length
         How many numbers, None where it is one and no tuple.
+    used
+        Name of the field that tells how many of them are in use, the others being zero; None where all are.
     """
 
     name: str
     kind: type
     length: int | None
+    used: str | None = None
 
 
 def state_fields(state: type) -> tuple[StateField, ...]:
-    """Read the fields of a state class; a tuple of n numbers is declared ``Annotated[tuple[float, ...], n]``."""
+    """Read the fields of a state class.
+
+    A tuple of n numbers is declared ``Annotated[tuple[float, ...], n]``. The last field may be one of which only a part
+    is in use: ``Annotated[tuple[float, ...], n, "field"]``, where ``field`` says how many numbers.
+    """
     fields = []
     for name, hint in get_type_hints(state, include_extras=True).items():
         if get_origin(hint) is Annotated:
-            numbers, length = get_args(hint)
-            fields.append(StateField(name, get_args(numbers)[0], length))
+            numbers, *lengths = get_args(hint)
+            fields.append(StateField(name, get_args(numbers)[0], *lengths))
         else:
             fields.append(StateField(name, hint, None))
     return tuple(fields)
@@ -73,7 +80,7 @@ def state_of(state: type, numbers: Iterable[float]) -> Any:
     return state(
         *(
             kind(next(rest)) if length is None else tuple(kind(next(rest)) for _ in range(length))
-            for _, kind, length in state_fields(state)
+            for _, kind, length, _ in state_fields(state)
         )
     )
 
