@@ -13,6 +13,7 @@ import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from cosim.errors import SetupError
+from cosim.mending import mended
 from cosim.units import Unit
 
 Value = float | bool | str
@@ -72,7 +73,7 @@ class Model:
         if not path.is_file():
             raise SetupError(f"{path}: expected an FMU, got no such file")
         try:
-            description = fmpy.read_model_description(str(path), validate=False)
+            description = fmpy.read_model_description(mended(path) or str(path), validate=False)
         except zipfile.BadZipFile:
             raise SetupError(f"{path}: expected an FMU (a zip archive), got another kind of file") from None
         except KeyError:

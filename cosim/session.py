@@ -197,7 +197,8 @@ class Session:
             units={name: self._system.unit(name) for name in recorded},
             complete=error is None,
             error=error,
-            warnings=[f"{i.name}: {text}" for i in self._instances.values() for text in i.warnings],
+            warnings=self._system.notes(parameters or {})
+            + [f"{i.name}: {text}" for i in self._instances.values() for text in i.warnings],
         )
 
     def _is_discrete(self, name: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal, NamedTuple, get_args
 
@@ -10,6 +11,8 @@ from fmpy.model_description import ModelVariable
 
 from cosim.clock import Clock
 from cosim.errors import SetupError
+from cosim.exchange import Edge, propose
+from cosim.inputs import Settled, settle
 from cosim.model import KINDS, NUMERIC, Model, Value, nearest
 from cosim.units import IDENTITY, Linear, conversion
 
@@ -38,10 +41,24 @@ class Port(NamedTuple):
 
 
 class Feed(NamedTuple):
-    """What an input takes: an output's value, transformed."""
+    """What an input takes: an output's value, transformed.
+
+    Attributes
+    ----------
+    source
+        The output.
+    transformation
+        From its value to the input's: the conversion of units, if any, and then ``asked``.
+    asked
+        The transformation that was asked for.
+    convert_units
+        Whether units are converted.
+    """
 
     source: Port
     transformation: Linear = IDENTITY
+    asked: Linear = IDENTITY
+    convert_units: bool = True
 
 
 class Structure:
@@ -143,7 +160,8 @@ class Structure:
             problems.append(f"{between}: expected two units of one dimension, got {units}")
         if problems:
             raise SetupError(*problems)
-        self.connections[sink] = Feed(source, transformation.after(converted or IDENTITY))
+        combined = transformation.after(converted or IDENTITY)
+        self.connections[sink] = Feed(source, combined, transformation, convert_units)
 
     def disconnect(self, input: str) -> None:  # noqa: A002
         """Free an input.
@@ -172,17 +190,64 @@ class Structure:
         """Find what converts between the units of two ends; None where the dimensions differ."""
         return conversion(*(self.models[port.component].defined_unit(self._variable(port)) for port in (source, sink)))
 
+    def swap(self, name: str, fmu: str | Path) -> list[Port]:
+        """Put another FMU in a component's place and keep the connections and parameters that fit it.
+
+        Parameters
+        ----------
+        name
+            The component; the newcomer takes its name and its place in the order.
+        fmu
+            The newcomer's ``.fmu`` file.
+
+        Returns
+        -------
+        list of Port
+            Inputs of other components that have lost what fed them.
+
+        Raises
+        ------
+        SetupError
+            If there is no such component, or the file is no FMU that can be used here.
+        """
+        if name not in self.models:
+            known = ", ".join(self.models) or "none"
+            raise SetupError(f"{name}: expected a component among {known}, got none{nearest(name, self.models)}")
+        self.models[name] = newcomer = Model.read(fmu)
+        touched = {
+            sink: feed for sink, feed in self.connections.items() if name in (sink.component, feed.source.component)
+        }
+        for sink in touched:
+            del self.connections[sink]
+        for sink, feed in touched.items():
+            with suppress(SetupError):
+                self.connect(str(feed.source), str(sink), feed.asked, feed.convert_units)
+        self.parameters = {
+            text: value
+            for text, value in self.parameters.items()
+            if Port.parse(text).component != name or Port.parse(text).variable in newcomer.variables
+        }
+        return [sink for sink in touched if sink.component != name and sink not in self.connections]
+
     @property
     def order(self) -> tuple[str, ...]:
-        """Order in which the components step: as set, then what was added since."""
-        order = self._order or ()
-        return (*order, *(name for name in self.models if name not in order))
+        """Order in which the components step: as set, and then what was added since; or a proposal."""
+        if self._order is None:
+            return propose(list(self.models), self.edges().values())[0]
+        return (*self._order, *(name for name in self.models if name not in self._order))
 
     @order.setter
     def order(self, names: Sequence[str]) -> None:
         if sorted(names) != sorted(self.models):
             raise SetupError(f"order: expected each of {', '.join(self.models)} once, got {', '.join(names)}")
         self._order = tuple(names)
+
+    def edges(self) -> dict[Port, Edge]:
+        """Tell of each connected input when its value is made."""
+        return {
+            sink: Edge(feed.source.component, sink.component, self._variable(feed.source).variability != "continuous")
+            for sink, feed in self.connections.items()
+        }
 
     @property
     def step_size(self) -> float | None:
@@ -233,7 +298,11 @@ class Structure:
         """
         values: dict[str, dict[str, float | str]] = {name: {} for name in self.models}
         problems: list[str] = []
-        for text, given in {**self.parameters, **parameters}.items():
+        given = {**self.parameters, **parameters}
+        for name, settled in self._settled(given).items():
+            problems += settled.problems
+            given |= {f"{name}.{parameter}": value for parameter, value in settled.settings.items()}
+        for text, value in given.items():
             try:
                 port = Port.parse(text)
                 self._variable(port)
@@ -241,12 +310,21 @@ class Structure:
                     raise SetupError(
                         f"{port}: expected a free input, got one that {self.connections[port].source} feeds"
                     )
-                values[port.component][port.variable] = self.models[port.component].value(*port, given)
+                values[port.component][port.variable] = self.models[port.component].value(*port, value)
             except SetupError as error:
                 problems += error.problems
         if problems:
             raise SetupError(*problems)
         return values
+
+    def _settled(self, given: Iterable[str]) -> dict[str, Settled]:
+        """Decide what becomes of inputs that nothing feeds, by component."""
+        fed = {str(sink) for sink in self.connections}
+        return {name: settle(name, model, fed, set(given)) for name, model in self.models.items()}
+
+    def notes(self, parameters: Iterable[str] = ()) -> list[str]:
+        """Say what a user should know of inputs that nothing feeds, given a run's parameters."""
+        return [note for settled in self._settled({*self.parameters, *parameters}).values() for note in settled.notes]
 
     def outputs(self) -> list[str]:
         """Name all outputs as ``component.variable``, in order."""

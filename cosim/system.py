@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 
+from cosim.editing import edit, parse_source
 from cosim.errors import SetupError
 from cosim.model import Value
 from cosim.results import Result
@@ -49,6 +51,37 @@ class System(Structure):
                 problems += error.problems
         if problems:
             raise SetupError(*problems)
+
+    def replace(self, name: str, fmu: str | Path, connections: Mapping[str, str] | None = None) -> None:
+        """Put another FMU in a component's place, all of it or nothing.
+
+        Connections whose names and units fit the newcomer stay; those to inputs it does not have are dropped.
+
+        Parameters
+        ----------
+        name
+            The component; the newcomer takes its name.
+        fmu
+            The newcomer's ``.fmu`` file.
+        connections
+            Input of the system, as ``component.variable``, to the output that feeds it from now on: the newcomer's by
+            its bare name, any by ``component.variable``; ``"0.001*z"`` and ``"-1*z+0.5"`` transform.
+
+        Raises
+        ------
+        SetupError
+            If something does not fit, or an input that was fed before is left without.
+
+        Examples
+        --------
+        >>> system.replace("shaker", "cab.fmu", {"seat.floor_displacement": "0.001*z"})     # doctest: +SKIP
+        """
+        new = []
+        for sink, text in (connections or {}).items():
+            output, transformation = parse_source(text)
+            complete = output.partition(".")[0] in self.models
+            new.append((output if complete else f"{name}.{output}", transformation, sink))
+        edit(self, {name: fmu}, (), new)
 
     def open(self) -> Session:
         """Load all FMUs, for one run or many; use it in a ``with`` statement."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +39,17 @@ def native(fmu_folder: Path) -> Path:
     for _ in build(fmu_folder, NATIVE):
         pass
     return fmu_folder
+
+
+@pytest.fixture(scope="session")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of FMUs that are not ours, from ``examples/foreign``, built by their own tools."""
+    folder = tmp_path_factory.mktemp("foreign")
+    for script in sorted((ROOT / "examples" / "foreign").glob("*.py")):
+        tool = "pythonfmu3" if "pythonfmu3" in script.read_text() else "pythonfmu"
+        command = [sys.executable, "-m", tool, "build", "-f", str(script), "-d", str(folder)]
+        subprocess.run(command, check=True, capture_output=True)
+    return folder
 
 
 @pytest.fixture
