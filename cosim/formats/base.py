@@ -43,7 +43,7 @@ def file_name(suffix: str, complete: bool) -> str:
     return f"result{suffix}" if complete else f"result.partial{suffix}"
 
 
-def package(name: str, extra: str) -> Any:
+def imported(name: str, extra: str) -> Any:
     """Import what only one format needs.
 
     Raises
@@ -68,6 +68,15 @@ class FileSink(ABC):
     folder
         Where to; it exists when the run begins.
 
+    Attributes
+    ----------
+    path
+        The file as it is called now.
+    rows
+        How many were written.
+    reached
+        Time of the last, in s.
+
     Raises
     ------
     SetupError
@@ -75,11 +84,15 @@ class FileSink(ABC):
     """
 
     suffix: ClassVar[str]
+    package: ClassVar[str | None] = None
+    """What the format needs beyond this package's own dependencies."""
 
     def __init__(self, folder: Path) -> None:
         self._complete = folder / file_name(self.suffix, complete=True)
         self._partial = folder / file_name(self.suffix, complete=False)
         self.path = self._partial
+        self.rows = 0
+        self.reached = 0.0
 
     def begin(self, names: Sequence[str], units: Sequence[str | None]) -> None:
         """Open the file.
@@ -101,6 +114,8 @@ class FileSink(ABC):
         """Write some rows, time first; they are not kept."""
         with self._writing():
             self._write(rows)
+        self.rows += len(rows)
+        self.reached = float(rows[-1, 0]) if len(rows) else self.reached
 
     def end(self, complete: bool) -> None:
         """Close the file, and give it its final name if the run is complete; ``path`` tells which it has."""

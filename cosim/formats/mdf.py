@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import SetupError
-from cosim.formats.base import Blocks, FileSink, Rows, Table, package
+from cosim.formats.base import Blocks, FileSink, Rows, Table, imported
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 """Start of every measurement: a simulation happens at no date, and equal runs give equal bytes."""
@@ -19,17 +19,21 @@ _FILE_HISTORY_LINK = 64 + 24 + 8
 """Where a file points at its first FHBLOCK: past ID block, head of the header block, and its first link."""
 
 _HISTORY_TIME = 24 + 2 * 8
-"""Where an FHBLOCK holds its time in ns: past its head and two links."""
+"""Where an FHBLOCK holds its time: past its head and two links."""
+
+_NO_TIME = struct.pack("<QhhB", 0, 0, 0, 0)
+"""Time in ns, offsets of time zone and summer time in min, flags."""
 
 
 def _asammdf() -> Any:
-    return package("asammdf", "mdf")
+    return imported("asammdf", "mdf")
 
 
 class MdfSink(FileSink):
     """Writes MDF 4.10: rows wait in a temporary file, the result appears when the run has ended, complete or not."""
 
     suffix = ".mf4"
+    package = "asammdf"
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
@@ -68,12 +72,12 @@ class MdfSink(FileSink):
         self._forget_when()
 
     def _forget_when(self) -> None:
-        """Set the time of the file's history, which asammdf takes from the clock, to that of the start."""
+        """Set time and zone of the file's history, which asammdf takes from the machine, to those of the start."""
         with self._partial.open("r+b") as stream:
             stream.seek(_FILE_HISTORY_LINK)
             (history,) = struct.unpack("<Q", stream.read(8))
             stream.seek(history + _HISTORY_TIME)
-            stream.write(bytes(8))
+            stream.write(_NO_TIME)
 
     @classmethod
     def read(cls, path: Path) -> Table:

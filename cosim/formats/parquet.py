@@ -8,20 +8,21 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import SetupError
-from cosim.formats.base import Blocks, FileSink, Rows, Table, package
+from cosim.formats.base import Blocks, FileSink, Rows, Table, imported
 
 _UNIT = b"unit"
 """Key of a column's metadata."""
 
 
 def _pyarrow() -> tuple[Any, Any]:
-    return package("pyarrow", "parquet"), package("pyarrow.parquet", "parquet")
+    return imported("pyarrow", "parquet"), imported("pyarrow.parquet", "parquet")
 
 
 class ParquetSink(FileSink):
     """Writes Parquet, a row group every some thousand rows; readable once the run has ended, complete or not."""
 
     suffix = ".parquet"
+    package = "pyarrow"
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
