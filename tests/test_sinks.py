@@ -137,7 +137,27 @@ def test_a_full_disk_is_a_failure_of_the_run(rows: np.ndarray, tmp_path: Path, n
     (tmp_path / file_name(sink.suffix, complete=False)).symlink_to("/dev/full")
     with pytest.raises(RunError, match=rf"result\.partial\{sink.suffix}: expected to write the result, got: "):
         feed(sink, rows, [])
+    sink.end(False)
     assert not (tmp_path / file_name(sink.suffix, complete=True)).exists()
+
+
+@pytest.mark.parametrize("name", ["csv", "parquet"])
+def test_a_file_that_cannot_be_opened_is_a_failure_of_the_run(tmp_path: Path, name: str):
+    sink = FORMATS[name](tmp_path / "nowhere")
+    with pytest.raises(RunError, match=rf"nowhere/result\.partial\{sink.suffix}: expected to write the result, got: "):
+        sink.begin(NAMES, UNITS)
+    sink.end(False)
+
+
+def test_a_run_ends_incomplete_where_its_rows_cannot_be_written(system: System, tmp_path: Path):
+    files = sinks(tmp_path)
+    (tmp_path / "result.partial.csv").symlink_to("/dev/full")
+    with system.open() as session, pytest.raises(RunError, match="No space left on device"):
+        session.run(0.1, H, sinks=files)
+    files = sinks(tmp_path)
+    with system.open() as session:
+        (tmp_path / "result.partial.csv").unlink()
+        assert session.run(0.1, H, sinks=files).complete
 
 
 def test_a_missing_package_is_told_before_the_run_with_its_extra(tmp_path: Path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -93,6 +93,7 @@ class FileSink(ABC):
         self.path = self._partial
         self.rows = 0
         self.reached = 0.0
+        self._open = self._failed = False
 
     def begin(self, names: Sequence[str], units: Sequence[str | None]) -> None:
         """Open the file.
@@ -109,6 +110,7 @@ class FileSink(ABC):
         """
         with self._writing():
             self._begin(["time", *names], ["s", *units])
+            self._open = True
 
     def write(self, rows: Rows) -> None:
         """Write some rows, time first; they are not kept."""
@@ -119,6 +121,12 @@ class FileSink(ABC):
 
     def end(self, complete: bool) -> None:
         """Close the file, and give it its final name if the run is complete; ``path`` tells which it has."""
+        if not self._open:
+            return
+        if self._failed:
+            with suppress(Exception):  # whatever the half-written file still raises: what went wrong is said already
+                self._end()
+            return
         with self._writing():
             self._end()
             if complete:
@@ -130,6 +138,7 @@ class FileSink(ABC):
         try:
             yield
         except OSError as error:
+            self._failed = True
             raise RunError(f"{self._partial}: expected to write the result, got: {error.strerror or error}") from error
 
     @abstractmethod
