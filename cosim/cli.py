@@ -12,10 +12,13 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.cli_design import design
-from cosim.console import console, progress_shown, stderr
+from cosim.cli_rerun import rerun
+from cosim.console import command_line, conclude, console, progress_shown
 from cosim.errors import CosimError, RunError, SetupError, writing_to
+from cosim.formats import FORMATS
 from cosim.model import Value
 from cosim.results import Result, clear
+from cosim.run_folder import run_to_folder
 from cosim.scenarios import SCENARIOS, control, driver_mass, observer, seat_suspension
 from cosim.system import System
 from fmus import FLAVOURS
@@ -36,13 +39,6 @@ _mass_option = click.option(
 )
 
 
-def _folder(folder: Path) -> Path:
-    """Make a folder for results, or say why not."""
-    with writing_to(folder):
-        clear(folder)
-    return folder
-
-
 def _observer(number: int) -> dict[str, Value]:
     from seat_controller_fmu.parameters import OBSERVERS
 
@@ -56,16 +52,6 @@ def _gains(name_or_file: str) -> dict[str, Value]:
         return {f"controller.{name}": value for name, value in load(name_or_file).parameters().items()}
     except GainsError as error:
         raise SetupError(str(error)) from error
-
-
-def _finish(result: Result, folder: Path, stop_time: float) -> None:
-    """Save a result; an incomplete one says how far it came and ends the command."""
-    path = result.save(folder)
-    for text in result.warnings:
-        stderr.print(f"warning: {text}", markup=False, soft_wrap=True)
-    if result.error is not None:
-        reached = f"{len(result.time)} rows up to t = {result.time[-1]:g} s" if len(result.time) else "no rows"
-        raise RunError(f"{result.error} ({reached} of {stop_time:g} s in {path})") from result.error
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -117,6 +103,7 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
 
 
 app.add_command(design)
+app.add_command(rerun)
 
 
 @app.command()
@@ -149,6 +136,8 @@ def fmus(folder: Path) -> None:
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
 @_flavour_option
 @_fmus_option
+@click.option("--format", "formats", type=click.Choice(list(FORMATS)), multiple=True, help="Beside CSV; repeatable.")
+@click.option("--record-every", type=click.IntRange(min=1), default=1, metavar="N", help="Record every N-th step.")
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
 def run(
     scenario: str,
@@ -161,9 +150,11 @@ def run(
     step_size: float | None,
     flavour: str,
     fmus_folder: Path,
+    formats: tuple[str, ...],
+    record_every: int,
     output: Path | None,
 ) -> None:
-    """Run one scenario of the seat suspension; writes result.csv and a figure.
+    """Run one scenario of the seat suspension; writes result.csv, a figure and run.json, which `rerun` takes.
 
     \b
     Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s).
@@ -181,13 +172,20 @@ def run(
     parameters |= control(switch == "on") if switch else {}
     parameters |= _driver(driver_mass)
     parameters |= _settings(settings)
-    system.validate(stop_time, step_size, parameters)
-    folder = _folder(output or Path("results", "run", scenario))
+    folder = output or Path("results", "run", scenario)
     with progress_shown(f"running {scenario}") as report:
-        result = system.simulate(
-            stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s")
+        result = run_to_folder(
+            system,
+            folder,
+            stop_time=stop_time,
+            step_size=step_size,
+            parameters=parameters,
+            record_every=record_every,
+            formats=formats,
+            progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"),
+            command=command_line(),
         )
-    _finish(result, folder, stop_time)
+    conclude(result)
     _overview(system, result, folder, scenario)
     console.print(f"{len(result.time)} rows and figure in {folder}")
 
@@ -238,11 +236,15 @@ def reproduce(what: str, driver_mass: float | None, flavour: str, fmus_folder: P
     mass = system.start("seat.driver_mass") if driver_mass is None else driver_mass
     cases = bump.cases({number: gamma.value for number, gamma in OBSERVERS.items()})
     system.validate(SCENARIOS[what].stop_time, parameters=_driver(mass))
-    folders = {name: _folder(output / what / name) for name in cases}
+    for name in cases:
+        with writing_to(output):
+            clear(output / what / name)
     results: dict[str, Result] = {}
     with progress_shown("bump") as report:
-        for name, result in bump.run(system, cases, mass, lambda name, share: report(f"{name} {share:.0%}")):
-            _finish(result, folders[name], SCENARIOS[what].stop_time)
+        for name, result in bump.run(
+            system, cases, mass, output / what, lambda name, share: report(f"{name} {share:.0%}"), command_line()
+        ):
+            conclude(result)
             results[name] = result
         report("figures")
         figures = bump.draw_figures(output / what, results, cases, mass)

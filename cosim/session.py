@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -140,6 +140,12 @@ class Session:
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
         progress: Callable[[float], None] | None = None,
+        *,
+        record_every: int = 1,
+        sinks: Sequence[Any] = (),
+        keep: bool = True,
+        algorithm: Any = None,
+        real_time: bool = False,
     ) -> Result:
         """Initialise, step to the stop time, terminate.
 
@@ -191,7 +197,7 @@ class Session:
         except KeyboardInterrupt:
             error = RunError(f"interrupted at t = {clock.time(recorder.rows_filled):g} s")
         error = self._terminate() or error
-        return Result(
+        result = Result(
             time=np.array([clock.time(tick) for tick in range(recorder.rows_filled)]),
             values=dict(zip(recorded, recorder.columns(), strict=True)),
             units={name: self._system.unit(name) for name in recorded},
@@ -200,6 +206,11 @@ class Session:
             warnings=self._system.notes(parameters or {})
             + [f"{i.name}: {text}" for i in self._instances.values() for text in i.warnings],
         )
+        for sink in sinks:
+            sink.begin(list(result.values), [result.units[name] for name in result.values])
+            sink.write(result.rows[::record_every])
+            sink.end(result.complete)
+        return result
 
     def _is_discrete(self, name: str) -> bool:
         component, _, variable = name.partition(".")

@@ -1,4 +1,4 @@
-"""What the tests share: FMUs built once, a system of them, an independent solver, readers of golden data."""
+"""What the tests share: FMUs built once, a system of them, an independent solver, a shell, readers of golden data."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim import System
+from cosim import System, cli
 from cosim.scenarios import seat_suspension
 from fmus.build import build
 
@@ -55,6 +55,29 @@ def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def system(fmus: Path) -> System:
     return seat_suspension(fmus)
+
+
+class Shell:
+    """Runs commands in a folder that holds the FMUs."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], fmus: Path) -> None:
+        self.monkeypatch = monkeypatch
+        self.capfd = capfd
+        self.fmus = fmus
+
+    def __call__(self, *words: str, fmus: bool = True) -> tuple[int, str, str]:
+        where = ["--fmus", str(self.fmus)] if fmus and words[:1] in (("run",), ("reproduce",)) else []
+        self.monkeypatch.setattr(sys, "argv", ["seat-cosim", *words, *where])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out, err = self.capfd.readouterr()
+        return int(end.value.code or 0), out, err
+
+
+@pytest.fixture
+def shell(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], native: Path, tmp_path: Path) -> Shell:
+    monkeypatch.chdir(tmp_path)
+    return Shell(monkeypatch, capfd, native)
 
 
 def read_csv(path: Path) -> dict[str, np.ndarray]:
