@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -264,23 +265,23 @@ def test_changed_and_missing_fmus_are_all_named(shell: Shell, native: Path, tmp_
 
 def test_a_process_that_is_killed_leaves_its_rows_and_can_be_run_again(shell: Shell, fmus: Path, tmp_path: Path):
     folder = tmp_path / "killed"
-    command = [
+    words = [
         "run",
         "bump",
-        "--fmus",
-        str(fmus.parent),
         "--flavour",
         "python",
         "--stop-time",
         "400",
+        "--fmus",
+        str(fmus.parent),
         "--output",
         "killed",
     ]
-    process = subprocess.Popen([sys.executable, "-m", "cosim.cli", *command], cwd=tmp_path)
+    process = subprocess.Popen([sys.executable, "-c", "from cosim.cli import main; main()", *words], cwd=tmp_path)
     try:
         partial = folder / "result.partial.csv"
         while process.poll() is None and not (partial.exists() and partial.read_bytes().count(b"\n") > 100):
-            pass
+            time.sleep(0.01)
         process.send_signal(signal.SIGKILL)
     finally:
         process.kill()
