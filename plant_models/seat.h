@@ -18,6 +18,9 @@ typedef struct {
     double seat_acceleration_measured, suspension_deflection_measured;
 } seat_plant_outputs;
 
+/* Which of the floor's inputs are alive; the others are derived. */
+enum { SEAT_PLANT_ALL = 1, SEAT_PLANT_DISPLACEMENT = 2, SEAT_PLANT_VELOCITY = 3, SEAT_PLANT_ACCELERATION = 4 };
+
 typedef struct {
     double driver_mass, seat_mass;                    /* m_b, m_s in kg */
     double suspension_stiffness, suspension_damping;  /* k_f in N/m, c_f in N.s/m */
@@ -25,12 +28,17 @@ typedef struct {
     double friction_alpha;                            /* alpha in N/m */
     double friction_gamma, friction_beta;             /* gamma_d, beta_d in 1/m2 */
     double friction_amplitude;                        /* A_d */
+    int floor_signals;                                /* which floor inputs are alive */
 } seat_plant_parameters;
 
 typedef struct {
     double seat_displacement, seat_velocity;          /* z_s in m, z_s' in m/s */
     double driver_displacement, driver_velocity;      /* z_b in m, z_b' in m/s */
     double friction;                                  /* z_d of (36) in m */
+    /* what a derived floor remembers: its motion at the last sample in m, m/s, m/s2, */
+    double floor_displacement, floor_velocity, floor_acceleration;
+    double floor_age, floor_interval;                 /* the time since then and from the sample before till then in s, */
+    double floor_reached;                             /* and where the last step has left it in m */
 } seat_plant_state;
 
 /* Coefficients of the closed-form friction step. */
@@ -47,6 +55,7 @@ typedef struct {
     double k_f, c_f, k_c, c_c, alpha;
     seat_plant_friction friction;
     double substep;                                   /* longest Runge-Kutta substep in s */
+    int floor_signals;
 } seat_plant_coefficients;
 
 /* Derive the coefficients. Returns NULL, or what is wrong with the parameters in terms of their names. */
@@ -55,11 +64,11 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
 /* Nothing to think about: NULL. */
 const char *seat_plant_warning(const seat_plant_parameters *parameters);
 
-/* Start at rest in static equilibrium. */
+/* Start at rest in static equilibrium; a derived floor starts from the inputs' motion. */
 void seat_plant_initial(seat_plant_state *state, const seat_plant_inputs *inputs,
                         const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs);
 
-/* Integrate (1)-(2) over a communication step, in s; the force is held, the floor extrapolated by its Taylor series. */
+/* Integrate (1)-(2) over a communication step, in s; the force is held, the floor goes on as floor.py says. */
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
                         const seat_plant_coefficients *coefficients, double time, double step_size,
                         seat_plant_outputs *outputs);

@@ -9,7 +9,8 @@ positive.
 Over a step the actuator's force is held and the floor is extrapolated by its velocity and acceleration, so that the
 floor jumps a little (by its jerk times h^3/6) when the next step brings its true position. The friction follows the
 deflection within a step only: let it follow the jumps as well, and each would unload it for an instant, which is up to
-nine times the error in the driver's acceleration (measured on the paper's bump, Observer 1).
+nine times the error in the driver's acceleration (measured on the paper's bump, Observer 1). A floor that is derived
+from one signal does not jump, see :mod:`plant_models.floor`.
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ import math
 from typing import NamedTuple
 
 from fmus.component import Component, ParameterError, flushed
+from plant_models.floor import Floor, History, derived, given
 from plant_models.friction import BoucWen, bouc_wen, friction_state
-from plant_models.seat_interface import TERMINALS, Inputs, Outputs, Parameters
+from plant_models.seat_interface import TERMINALS, FloorSignals, Inputs, Outputs, Parameters
 
 LONGEST_SUBSTEP = 0.5e-3
 """Upper bound of the Runge-Kutta substep, in s: a quarter of the 2 ms sample."""
@@ -31,8 +33,8 @@ SHORTEST_SUBSTEP = 1e-5
 """Parameters that would need a substep below this, in s, are refused: a step would take too long."""
 
 
-class State(NamedTuple):
-    """State of the seat.
+class Masses(NamedTuple):
+    """What moves: two masses and the friction between them and the floor.
 
     Attributes
     ----------
@@ -51,6 +53,32 @@ class State(NamedTuple):
     friction: float
 
 
+class State(NamedTuple):
+    """State of the seat: the fields of :class:`Masses`, then those of :class:`~plant_models.floor.History`."""
+
+    seat_displacement: float
+    seat_velocity: float
+    driver_displacement: float
+    driver_velocity: float
+    friction: float
+    floor_displacement: float = 0.0
+    floor_velocity: float = 0.0
+    floor_acceleration: float = 0.0
+    floor_age: float = 0.0
+    floor_interval: float = 0.0
+    floor_reached: float = 0.0
+
+    @property
+    def masses(self) -> Masses:
+        """What moves."""
+        return Masses(*self[:5])
+
+    @property
+    def history(self) -> History:
+        """What a derived floor remembers."""
+        return History(*self[5:])
+
+
 class Coefficients(NamedTuple):
     """Parameters as the step needs them, in the symbols of (1), (2) and (35); ``per_m_s`` is 1/m_s."""
 
@@ -63,24 +91,7 @@ class Coefficients(NamedTuple):
     alpha: float
     friction: BoucWen
     substep: float
-
-
-class _Floor(NamedTuple):
-    """The floor over one step: second-order Taylor series about the step's begin."""
-
-    displacement: float
-    velocity: float
-    acceleration: float
-
-    def displacement_at(self, tau: float) -> float:
-        return self.displacement + tau * (self.velocity + 0.5 * tau * self.acceleration)
-
-    def velocity_at(self, tau: float) -> float:
-        return self.velocity + tau * self.acceleration
-
-
-def _floor(inputs: Inputs) -> _Floor:
-    return _Floor(inputs.floor_displacement, inputs.floor_velocity, inputs.floor_acceleration)
+    floor_signals: int
 
 
 def prepare(parameters: Parameters) -> Coefficients:
@@ -115,6 +126,7 @@ def prepare(parameters: Parameters) -> Coefficients:
         alpha=p.friction_alpha,
         friction=friction,
         substep=substep,
+        floor_signals=p.floor_signals,
     )
 
 
@@ -145,12 +157,12 @@ def _turned(friction: float, start: tuple[float, float], end: tuple[float, float
     return friction_state(friction, x_1 - x_0, c)
 
 
-def _substep(state: State, floor: _Floor, tau: float, h: float, force: float, c: Coefficients) -> State:
+def _substep(masses: Masses, floor: Floor, tau: float, h: float, force: float, c: Coefficients) -> Masses:
     """One step of classical Runge-Kutta over the four mechanical states, friction in closed form at every stage.
 
     ``tau`` is the time since the floor was given, ``h`` the substep's length, both in s.
     """
-    z_s, v_s, z_b, v_b, z_d = state
+    z_s, v_s, z_b, v_b, z_d = masses
     x_0 = z_s - floor.displacement_at(tau)
 
     def slope(z_s: float, v_s: float, z_b: float, v_b: float, tau: float) -> tuple[float, float]:
@@ -184,24 +196,24 @@ def _substep(state: State, floor: _Floor, tau: float, h: float, force: float, c:
         h,
         c.friction,
     )
-    return State(*map(flushed, (z_s_end, v_s_end, z_b_end, v_b_end, z_d_end)))
+    return Masses(*map(flushed, (z_s_end, v_s_end, z_b_end, v_b_end, z_d_end)))
 
 
-def _outputs(state: State, floor: _Floor, tau: float, force: float, c: Coefficients) -> Outputs:
-    """Evaluate the outputs of a state, ``tau`` seconds after the floor was given, the force still acting."""
-    deflection = state.seat_displacement - floor.displacement_at(tau)
-    rate = state.seat_velocity - floor.velocity_at(tau)
-    stretch = state.driver_displacement - state.seat_displacement
-    stretch_rate = state.driver_velocity - state.seat_velocity
-    acceleration = _seat_acceleration(deflection, rate, stretch, stretch_rate, state.friction, force, c)
+def _outputs(masses: Masses, floor: Floor, tau: float, force: float, c: Coefficients) -> Outputs:
+    """Evaluate the outputs, ``tau`` seconds after the floor was given, the force still acting."""
+    z_s, v_s, z_b, v_b, z_d = masses
+    deflection = z_s - floor.displacement_at(tau)
+    rate = v_s - floor.velocity_at(tau)
+    stretch, stretch_rate = z_b - z_s, v_b - v_s
+    acceleration = _seat_acceleration(deflection, rate, stretch, stretch_rate, z_d, force, c)
     return Outputs(
         seat_acceleration=acceleration,
         suspension_deflection=deflection,
         deflection_rate=rate,
         driver_acceleration=_driver_acceleration(stretch, stretch_rate, c),
-        seat_displacement=state.seat_displacement,
-        driver_displacement=state.driver_displacement,
-        friction_force=c.alpha * state.friction,  # (35)
+        seat_displacement=z_s,
+        driver_displacement=z_b,
+        friction_force=c.alpha * z_d,  # (35)
         seat_acceleration_measured=acceleration,
         suspension_deflection_measured=deflection,
     )
@@ -213,14 +225,14 @@ def initial(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[St
     Parameters
     ----------
     inputs
-        Floor and force at the start.
+        Floor and force at the start; a derived floor starts from this motion, whichever signal is alive later.
     coefficients
         From :func:`prepare`.
     time
         In s; the seat does not depend on it.
     """
-    state = State(0.0, 0.0, 0.0, 0.0, 0.0)
-    return state, _outputs(state, _floor(inputs), 0.0, inputs.force, coefficients)
+    rest, floor = Masses(0.0, 0.0, 0.0, 0.0, 0.0), given(inputs)
+    return State(*rest, *floor), _outputs(rest, floor, 0.0, inputs.force, coefficients)
 
 
 def advance(
@@ -233,7 +245,7 @@ def advance(
     state
         At the step's begin.
     inputs
-        Floor and force at the step's begin; the force is held, the floor extrapolated by its Taylor series.
+        Floor and force at the step's begin; the force is held, the floor goes on as :mod:`plant_models.floor` says.
     coefficients
         From :func:`prepare`.
     time, step_size
@@ -244,12 +256,16 @@ def advance(
     tuple of State and Outputs
         At the step's end, with the extrapolated floor.
     """
-    floor = _floor(inputs)
-    count = max(1, math.ceil(step_size / coefficients.substep - 1e-6))
+    c, masses, history = coefficients, state.masses, state.history
+    if c.floor_signals == FloorSignals.all:
+        floor = given(inputs)
+    else:
+        floor, history = derived(history, inputs, c.floor_signals, step_size)
+    count = max(1, math.ceil(step_size / c.substep - 1e-6))
     h = step_size / count
     for index in range(count):
-        state = _substep(state, floor, index * h, h, inputs.force, coefficients)
-    return state, _outputs(state, floor, step_size, inputs.force, coefficients)
+        masses = _substep(masses, floor, index * h, h, inputs.force, c)
+    return State(*masses, *history), _outputs(masses, floor, step_size, inputs.force, c)
 
 
 SEAT_PLANT = Component(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 from fmus.variables import POSITIVE, Terminal, input_, output, parameter
 from plant_models import parameters as p
@@ -16,6 +17,15 @@ _FORCE_BALANCE = (
     "suspension_damping",
 )
 """What the seat's acceleration depends on while everything is at rest."""
+
+
+class FloorSignals(IntEnum):
+    """Which of the floor's inputs are alive; the others are derived."""
+
+    all = 1
+    displacement = 2
+    velocity = 3
+    acceleration = 4
 
 
 @dataclass(slots=True)
@@ -61,7 +71,7 @@ class Outputs:
 
 @dataclass(slots=True)
 class Parameters:
-    """The seat's masses, springs, dampers and friction."""
+    """The seat's masses, springs, dampers and friction, and what it hears of the floor."""
 
     driver_mass: float = parameter(p.DRIVER_MASS, "Driver mass on the seat", minimum=POSITIVE)
     seat_mass: float = parameter(p.SEAT_MASS, "Seat frame mass", minimum=POSITIVE)
@@ -75,6 +85,9 @@ class Parameters:
     friction_gamma: float = parameter(p.FRICTION_GAMMA, "Bouc-Wen gamma", name="friction.gamma", minimum=0.0)
     friction_beta: float = parameter(p.FRICTION_BETA, "Bouc-Wen beta, |beta| < gamma", name="friction.beta")
     friction_amplitude: float = parameter(p.FRICTION_A, "Bouc-Wen A", name="friction.A", minimum=POSITIVE)
+    floor_signals: FloorSignals = parameter(
+        FloorSignals.all, "Which floor inputs are alive after initialisation; the others are derived"
+    )
 
 
 TERMINALS = (

@@ -74,9 +74,19 @@ STATE_SCALES = {
         "driver_displacement": 0.05,
         "driver_velocity": 0.5,
         "friction": 2e-4,
+        "floor_displacement": 0.05,
+        "floor_velocity": 0.5,
+        "floor_acceleration": 2.0,
+        "floor_age": 2e-3,
+        "floor_interval": 2e-3,
+        "floor_reached": 0.05,
     },
     "Shaker": {},
 }
+
+
+DURATIONS = {"floor_age", "floor_interval"}
+"""States that are never negative."""
 
 
 def random_states(component: Component, times: np.ndarray, random: np.random.Generator) -> np.ndarray:
@@ -89,6 +99,8 @@ def random_states(component: Component, times: np.ndarray, random: np.random.Gen
             columns.append(random.integers(0, 2, len(times)).astype(float))
         else:
             column = random.normal(0.0, STATE_SCALES[component.name][field], len(times))
+            if field in DURATIONS:
+                column = np.abs(column)
             columns.append(column * random.choice([1.0, 1e-8, 1e-33, 0.0], len(times), p=[0.85, 0.05, 0.05, 0.05]))
     return np.array(columns).T.copy() if columns else np.zeros((len(times), 0))
 
