@@ -1,7 +1,7 @@
 """Swap shaker, seat and controller for FMUs that are not ours, and draw what comes out (docs/swapping.md).
 
-    python benchmarks/swapping.py                   figures into docs/figures
-    python benchmarks/swapping.py --output DIR
+python benchmarks/swapping.py                   figures into docs/figures
+python benchmarks/swapping.py --output DIR
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def rms(values: np.ndarray[Any, Any]) -> str:
 
 
 def another_floor(foreign: Path, folder: Path) -> None:
-    """The cabin in the shaker's place: displacement alone, in mm."""
+    """Put the cabin in the shaker's place: displacement alone, in mm."""
     system = seat_suspension(ROOT / "fmus" / "fmi2")
     system.replace("shaker", foreign / "Cabin.fmu", {"seat.floor_displacement": "0.001*z"})
     off, on = (run(system, "shaker", 4.0, control(switch)) for switch in (False, True))
@@ -71,7 +71,7 @@ def another_floor(foreign: Path, folder: Path) -> None:
 
 
 def another_seat(foreign: Path, folder: Path) -> None:
-    """The chair in the seat's place: other names, deflection in mm."""
+    """Put the chair in the seat's place: other names, deflection in mm."""
     system = seat_suspension(ROOT / "fmus" / "fmi3")
     connections = {
         "seat.zv": "shaker.floor_displacement",
@@ -99,7 +99,7 @@ def another_seat(foreign: Path, folder: Path) -> None:
 
 
 def another_controller(foreign: Path, folder: Path) -> None:
-    """The skyhook in the controller's place: other names, no units."""
+    """Put the skyhook in the controller's place: other names, no units."""
     ours, theirs = (seat_suspension(ROOT / "fmus" / "fmi2") for _ in range(2))
     theirs.replace(
         "controller", foreign / "Skyhook.fmu", {"controller.acc": "seat.seat_acceleration_measured", "seat.force": "F"}
