@@ -36,4 +36,4 @@ $(VENV)/installed-test: $(VENV)/installed
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built build dist *.egg-info
+	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built fmus/*.ssp build dist *.egg-info

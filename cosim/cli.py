@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import traceback
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from cosim.formats import FORMATS
 from cosim.model import Value
 from cosim.results import Result, clear
 from cosim.run_folder import run_to_folder
-from cosim.scenarios import SCENARIOS, control, driver_mass, observer, seat_suspension
+from cosim.scenarios import SCENARIOS, SYSTEM_FILES, control, driver_mass, observer, seat_suspension
 from cosim.system import System
 from fmus import FLAVOURS
 
@@ -75,7 +76,7 @@ def app(debug: bool) -> None:
 )
 @click.option("--output", type=click.Path(path_type=Path), default=Path("fmus"), show_default=True, help="Where to.")
 def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
-    """Build the FMUs; those whose content has not changed are left alone.
+    """Build the FMUs and the systems of them (.ssp); what has not changed is left alone.
 
     \b
     Flavours: fmi2 and fmi3 are native, for FMI 2.0 and 3.0; python is FMI 2.0 and needs Python in the host.
@@ -87,7 +88,7 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
     from fmus.build import PLATFORMS, BuildError
     from fmus.build import build as build_all
 
-    table = Table("FMU", "size", "state", box=None)
+    table = Table("file", "size", "state", box=None)
     chosen = tuple(PLATFORMS) if platforms == "all" else tuple(filter(None, platforms.split(",")))
     if unknown := [name for name in chosen if name not in PLATFORMS]:
         raise SetupError(f"--platforms {platforms}: expected all or names of {', '.join(PLATFORMS)}, got {unknown[0]}")
@@ -95,11 +96,30 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
         with progress_shown("building FMUs") as report:
             for built in build_all(output, flavour or FLAVOURS, chosen):
                 report(built.path.name)
-                state = "built" if built.fresh else "up to date"
-                table.add_row(str(built.path), f"{built.path.stat().st_size / 1024:.0f} kB", state)
+                table.add_row(*_built(built.path, built.fresh))
+            for name, system in _systems(output, flavour or FLAVOURS, chosen):
+                report(name)
+                table.add_row(*_built(output / name, system.save(output / name)))
     except (BuildError, OSError) as error:
         raise RunError(str(error)) from error
     console.print(table)
+
+
+def _built(path: Path, fresh: bool) -> tuple[str, str, str]:
+    """Describe a built file: name, size, state."""
+    return str(path), f"{path.stat().st_size / 1024:.0f} kB", "built" if fresh else "up to date"
+
+
+def _systems(folder: Path, flavours: Iterable[str], platforms: Iterable[str]) -> Iterator[tuple[str, System]]:
+    """Wire the native FMUs that were just built, with the bump to run; FMUs for other machines cannot be wired here."""
+    from fmus.build import host_platform
+
+    host = host_platform()
+    for flavour, name in SYSTEM_FILES.items():
+        if flavour in flavours and host in (tuple(platforms) or (host,)):
+            system = seat_suspension(folder / flavour)
+            system.stop_time = SCENARIOS["bump"].stop_time
+            yield name, system
 
 
 app.add_command(design)

@@ -392,6 +392,6 @@ def extract(model: Model, folder: Path) -> None:
         If the archive is damaged or holds an illegal path.
     """
     try:
-        fmpy.extract(str(model.path), str(folder))
+        fmpy.extract(model.open(), str(folder))
     except Exception as error:  # zip errors, and fmpy's bare ones
-        raise SetupError(f"{model.path}: expected an archive that can be extracted, got: {error}") from error
+        raise SetupError(f"{model.where}: expected an archive that can be extracted, got: {error}") from error

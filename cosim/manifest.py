@@ -29,9 +29,12 @@ class Component:
     Attributes
     ----------
     fmu
-        Its file, as the run was given it: absolute, or relative to the folder the run was started in.
+        Its file, or the archive (an ``.ssp`` file) that holds it, as the run was given it: absolute, or relative to the
+        folder the run was started in.
+    member
+        Its name in the archive; None for a file of its own.
     sha256
-        Of that file.
+        Of the FMU, in an archive or not.
     model, guid, fmi
         What its description says of itself: name, GUID (instantiation token in FMI 3), version of the standard.
     step_size
@@ -39,6 +42,7 @@ class Component:
     """
 
     fmu: str
+    member: str | None
     sha256: str
     model: str
     guid: str
@@ -74,6 +78,8 @@ class Manifest:
         What was typed, word by word; empty if the run was not started from a command line.
     versions, platform
         Of what ran it.
+    name
+        Of the system.
     components
         By name, in the order they were added.
     connections
@@ -101,6 +107,7 @@ class Manifest:
     command: list[str]
     versions: dict[str, str]
     platform: str
+    name: str
     components: dict[str, Component]
     connections: list[Connection]
     order: list[str]
@@ -156,6 +163,7 @@ class Manifest:
             command=list(command),
             versions=_versions(formats),
             platform=platform.platform(),
+            name=system.name,
             components={name: _component(system, name) for name in system.models},
             connections=[
                 Connection(str(feed.source), str(sink), *feed.transformation)
@@ -214,12 +222,11 @@ class Manifest:
         SetupError
             With all FMUs that are missing or not those of the run; if something does not fit them.
         """
-        problems = [problem for name, component in self.components.items() for problem in _changes(name, component)]
-        if problems:
-            raise SetupError(*problems)
         system = System()
+        system.name = self.name
+        for name, model in self._models().items():
+            system.add(name, model)
         for name, component in self.components.items():
-            system.add(name, component.fmu)
             if component.step_size is not None:
                 system.component_steps[name] = component.step_size
         for c in self.connections:
@@ -230,6 +237,25 @@ class Manifest:
         system.stop_time, system.step_size = self.stop_time, self.step_size
         return system
 
+    def _models(self) -> dict[str, Model]:
+        """Read the FMUs, if they are those of the run."""
+        models: dict[str, Model] = {}
+        problems: list[str] = []
+        for name, component in self.components.items():
+            path = Path(component.fmu)
+            where = "" if path.is_absolute() or path.exists() else f" in {Path.cwd()}, where its path starts"
+            try:
+                model = models[name] = Model.read(path, component.member)
+            except SetupError as error:
+                problems += [f"{name}: {problem}{where}" for problem in error.problems]
+                continue
+            if (found := _hash(model)) != component.sha256:
+                expected = f"the FMU of the run (sha256 {component.sha256:.12}…)"
+                problems.append(f"{name}: {model.where}: expected {expected}, got another ({found:.12}…)")
+        if problems:
+            raise SetupError(*problems)
+        return models
+
 
 def sha256(path: Path) -> str:
     """Hash a file."""
@@ -237,31 +263,22 @@ def sha256(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
+def _hash(model: Model) -> str:
+    return hashlib.sha256(model.content()).hexdigest()
+
+
 def _component(system: Structure, name: str) -> Component:
     model = system.models[name]
     about = model.description
     return Component(
         fmu=model.path.as_posix(),
-        sha256=sha256(model.path),
+        member=model.member,
+        sha256=_hash(model),
         model=about.modelName,
         guid=about.guid,
         fmi=about.fmiVersion,
         step_size=system.component_steps.get(name),
     )
-
-
-def _changes(name: str, component: Component) -> list[str]:
-    """Say how an FMU differs from that of the run, if it does."""
-    path = Path(component.fmu)
-    if not path.is_file():
-        where = "" if path.is_absolute() else f" in {Path.cwd()}, the folder its path starts from"
-        return [f"{name}: expected {component.fmu}, the FMU of the run, got no such file{where}"]
-    found = sha256(path)
-    if found != component.sha256:
-        return [
-            f"{name}: expected {component.fmu} as it was in the run (sha256 {component.sha256:.12}…), got {found:.12}…"
-        ]
-    return []
 
 
 def _parameters(system: Structure, parameters: Mapping[str, Value]) -> dict[str, bool | int | float | str]:

@@ -4,26 +4,31 @@ from __future__ import annotations
 
 import io
 import zipfile
-from pathlib import Path
+from typing import BinaryIO
 
 from lxml import etree
 
 DESCRIPTION = "modelDescription.xml"
 
 
-def mended(path: Path) -> io.BytesIO | None:
+def mended(fmu: str | BinaryIO) -> str | BinaryIO:
     """Read an FMU's description and mend it.
 
     Known so far: FMI 2 parameters without a variability (pythonfmu writes them unless told otherwise). By the standard
     they would be continuous, which a parameter must not be; they are taken as fixed.
 
+    Parameters
+    ----------
+    fmu
+        File name, or open file.
+
     Returns
     -------
-    BytesIO or None
-        An archive with the mended description, None if there is nothing to mend.
+    str or BinaryIO
+        An archive with the mended description, or the FMU itself if there is nothing to mend.
     """
     parser = etree.XMLParser(resolve_entities=False, no_network=True)
-    with zipfile.ZipFile(path) as archive, archive.open(DESCRIPTION) as stream:
+    with zipfile.ZipFile(fmu) as archive, archive.open(DESCRIPTION) as stream:
         tree = etree.parse(stream, parser)
     found = [
         variable
@@ -31,7 +36,7 @@ def mended(path: Path) -> io.BytesIO | None:
         if variable.get("causality") in ("parameter", "calculatedParameter") and variable.get("variability") is None
     ]
     if not found:
-        return None
+        return fmu
     for variable in found:
         variable.set("variability", "fixed")
     copy = io.BytesIO()

@@ -15,6 +15,9 @@ from cosim.system import System
 
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
 
+SYSTEM_FILES = {"fmi2": "SeatSuspension.ssp", "fmi3": "SeatSuspension-fmi3.ssp"}
+"""Flavour to the file that describes the system of its FMUs."""
+
 _CONNECTIONS = {
     "seat.floor_displacement": "shaker.floor_displacement",
     "seat.floor_velocity": "shaker.floor_velocity",
@@ -80,6 +83,7 @@ def seat_suspension(folder: Path) -> System:
             f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; run: seat-cosim build"
         )
     system = System()
+    system.name = "SeatSuspension"
     for name, fmu in _FMUS.items():
         system.add(name, folder / f"{fmu}.fmu")
     for sink, source in _CONNECTIONS.items():

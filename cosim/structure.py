@@ -68,6 +68,8 @@ class Structure:
 
     Attributes
     ----------
+    name
+        The system's name.
     models
         Component to its FMU.
     connections
@@ -80,21 +82,25 @@ class Structure:
         Component to its own step size in s, where it is not that of the system: a multiple of it or a whole part.
     stop_time
         How long a run lasts where it says nothing else, in s; None where that is not known.
+    notes
+        What was passed over when the system was read from a file, a line each.
     """
 
     def __init__(self) -> None:
+        self.name = "system"
         self.models: dict[str, Model] = {}
         self.connections: dict[Port, Feed] = {}
         self.parameters: dict[str, Value] = {}
         self.algorithm: Algorithm = ALGORITHMS[0]
         self.component_steps: dict[str, float] = {}
         self.stop_time: float | None = None
+        self.notes: tuple[str, ...] = ()
         self._step_size: float | None = None
         self._order: tuple[str, ...] | None = None
 
     # ---- building ----------------------------------------------------------------------------------------------------
 
-    def add(self, name: str, fmu: str | Path) -> None:
+    def add(self, name: str, fmu: str | Path | Model) -> None:
         """Add a component.
 
         Parameters
@@ -102,7 +108,7 @@ class Structure:
         name
             The component's name, without dots.
         fmu
-            Its ``.fmu`` file.
+            Its ``.fmu`` file, or what was read of it.
 
         Raises
         ------
@@ -113,7 +119,7 @@ class Structure:
             raise SetupError(f"component {name!r}: expected a name without dots")
         if name in self.models:
             raise SetupError(f"component {name}: expected a new name, got one that is there already")
-        self.models[name] = Model.read(fmu)
+        self.models[name] = fmu if isinstance(fmu, Model) else Model.read(fmu)
 
     def connect(
         self,
@@ -139,7 +145,7 @@ class Structure:
             If an end does not exist, has the wrong causality, the input is fed already, or types or dimensions differ.
         """
         source, sink = Port.parse(output), Port.parse(input)
-        ends = {"output": (source, self._variable(source)), "input": (sink, self._variable(sink))}
+        ends = {"output": (source, self.variable(source)), "input": (sink, self.variable(sink))}
         between = f"connection {source} -> {sink}"
         problems = [
             f"{between}: expected {port} to be an {causality}, got a {variable.causality}"
@@ -172,13 +178,20 @@ class Structure:
             If nothing feeds it.
         """
         sink = Port.parse(input)
-        self._variable(sink)
+        self.variable(sink)
         if sink not in self.connections:
             fed = [str(port) for port in self.connections]
             raise SetupError(f"{sink}: expected an input that is fed, got one that is free{nearest(input, fed)}")
         del self.connections[sink]
 
-    def _variable(self, port: Port) -> ModelVariable:
+    def variable(self, port: Port) -> ModelVariable:
+        """Look up a variable.
+
+        Raises
+        ------
+        SetupError
+            If there is no such component or variable, with the nearest names.
+        """
         if port.component not in self.models:
             raise SetupError(
                 f"{port}: expected a component among {', '.join(self.models) or 'none'}, got {port.component}"
@@ -188,7 +201,7 @@ class Structure:
 
     def _conversion(self, source: Port, sink: Port) -> Linear | None:
         """Find what converts between the units of two ends; None where the dimensions differ."""
-        return conversion(*(self.models[port.component].defined_unit(self._variable(port)) for port in (source, sink)))
+        return conversion(*(self.models[port.component].defined_unit(self.variable(port)) for port in (source, sink)))
 
     def swap(self, name: str, fmu: str | Path) -> list[Port]:
         """Put another FMU in a component's place and keep the connections and parameters that fit it.
@@ -305,7 +318,7 @@ class Structure:
         for text, value in given.items():
             try:
                 port = Port.parse(text)
-                self._variable(port)
+                self.variable(port)
                 if port in self.connections:
                     raise SetupError(
                         f"{port}: expected a free input, got one that {self.connections[port].source} feeds"
@@ -343,8 +356,8 @@ class Structure:
     def unit(self, port: str) -> str | None:
         """Return the unit of ``component.variable``."""
         component, variable = Port.parse(port)
-        return self.models[component].unit(self._variable(Port(component, variable)))
+        return self.models[component].unit(self.variable(Port(component, variable)))
 
     def start(self, port: str) -> float:
         """Return the start value of the number ``component.variable``."""
-        return float(self._variable(Port.parse(port)).start)
+        return float(self.variable(Port.parse(port)).start)

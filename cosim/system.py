@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Self
 
 from cosim.editing import edit, parse_source
-from cosim.errors import SetupError
+from cosim.errors import SetupError, writing_to
 from cosim.model import Value
 from cosim.results import Result
 from cosim.session import Session
+from cosim.ssp import load, package_contents
 from cosim.structure import Structure
 
 
@@ -23,7 +25,46 @@ class System(Structure):
     >>> system.add("seat", "fmus/python/SeatPlant.fmu")                         # doctest: +SKIP
     >>> system.connect("shaker.floor_displacement", "seat.floor_displacement")  # doctest: +SKIP
     >>> result = system.simulate(stop_time=3.0, step_size=0.002)                # doctest: +SKIP
+    >>> system.save("system.ssp")                                               # doctest: +SKIP
+    >>> same = System.load("system.ssp")                                        # doctest: +SKIP
     """
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a system from an ``.ssp`` file, or an ``.ssd`` file beside its resources; see :func:`cosim.ssp.load`.
+
+        Raises
+        ------
+        SetupError
+            With all problems found.
+        """
+        system = cls()
+        load(path, system)
+        return system
+
+    def save(self, path: str | Path) -> bool:
+        """Write the system with its FMUs as an ``.ssp`` file; the same system gives the same bytes.
+
+        Parameters
+        ----------
+        path
+            The file; its folder is made where it does not exist.
+
+        Returns
+        -------
+        bool
+            False where the same file stood there already; it is left alone.
+
+        Raises
+        ------
+        SetupError
+            If it cannot be written.
+        """
+        from fmus.archive import write_archive
+
+        contents = package_contents(self)
+        with writing_to(Path(path).parent):
+            return write_archive(Path(path), contents)
 
     def validate(
         self,

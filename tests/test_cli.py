@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import Shell, read_csv
 
-from cosim import Result
+from cosim import Result, System
 from seat_controller_fmu.gains import preset
 
 
@@ -218,9 +218,13 @@ def test_debug_shows_the_traceback_and_nothing_else_does(shell: Shell):
 def test_build_says_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
     code, out, _ = shell("build", "--flavour", "fmi2", "--flavour", "fmi3", "--output", "here")
     assert code == 0
-    assert out.count("built") == 6
+    assert out.count("built") == 6 + 2
     assert (tmp_path / "here" / "fmi3" / "SeatController.fmu").exists()
-    assert shell("build", "--flavour", "fmi3", "--output", "here")[1].count("up to date") == 3
+    for name in ("SeatSuspension.ssp", "SeatSuspension-fmi3.ssp"):
+        assert System.load(tmp_path / "here" / name).order == ("controller", "seat", "shaker")
+    out = shell("build", "--flavour", "fmi3", "--output", "here")[1]
+    assert out.count("up to date") == 3 + 1
+    assert "SeatSuspension.ssp" not in out
 
 
 def test_fmus_of_a_wheel_are_exported(shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

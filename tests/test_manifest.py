@@ -153,8 +153,18 @@ Edit = Callable[[dict[str, Any]], object]
         (lambda told: told["parameters"].update({"seat.driver_mass": -5.0}), "seat.driver_mass: expected a value in"),
         (lambda told: told.update(record=["seat.nothing"]), "record seat.nothing: expected an output"),
         (lambda told: told.update(step_size=-1.0), "step size: expected a finite number of seconds above 0"),
-        (lambda told: told["components"]["seat"].update(fmu="x.fmu"), "seat: expected x.fmu, the FMU of the run, got"),
-        (lambda told: told["components"]["seat"].update(sha256="0" * 64), r"seat: expected .*\(sha256 0{12}…\), got "),
+        (
+            lambda told: told["components"]["seat"].update(fmu="x.fmu"),
+            r"seat: x\.fmu: expected an FMU, got no such file",
+        ),
+        (
+            lambda told: told["components"]["seat"].update(member="x"),
+            "/x: expected an FMU in the archive, got none",
+        ),
+        (
+            lambda told: told["components"]["seat"].update(sha256="0" * 64),
+            r"fmu: expected .*\(sha256 0{12}…\), got",
+        ),
     ],
 )
 def test_a_run_json_that_does_not_fit_is_one_line_and_exit_code_2(
@@ -258,9 +268,20 @@ def test_changed_and_missing_fmus_are_all_named(shell: Shell, native: Path, tmp_
     (tmp_path / "mine" / "fmi2" / "SeatPlant.fmu").unlink()
     code, _, err = shell("rerun", "here/run.json")
     assert code == 2
-    assert "shaker: expected mine/fmi2/Shaker.fmu as it was in the run (sha256 " in err
-    assert f"seat: expected mine/fmi2/SeatPlant.fmu, the FMU of the run, got no such file in {tmp_path}" in err
+    assert "shaker: mine/fmi2/Shaker.fmu: expected the FMU of the run (sha256 " in err
+    assert (
+        f"seat: mine/fmi2/SeatPlant.fmu: expected an FMU, got no such file in {tmp_path}, where its path starts" in err
+    )
     assert "controller" not in err
+
+
+def test_fmus_inside_a_system_file_are_told_and_run_again(swapped: System, shell: Shell, tmp_path: Path):
+    swapped.save("mine.ssp")
+    run(System.load("mine.ssp"), tmp_path / "here")
+    component = Manifest.read(tmp_path / "here" / "run.json").components["seat"]
+    assert (component.fmu, component.member) == ("mine.ssp", "resources/SeatPlant.fmu")
+    assert component.sha256 == sha256(swapped.models["seat"].path)
+    assert shell("rerun", "here/run.json")[0] == 0
 
 
 def test_a_process_that_is_killed_leaves_its_rows_and_can_be_run_again(shell: Shell, fmus: Path, tmp_path: Path):
