@@ -82,8 +82,8 @@ class Structure:
         Component to its own step size in s, where it is not that of the system: a multiple of it or a whole part.
     stop_time
         How long a run lasts where it says nothing else, in s; None where that is not known.
-    notes
-        What was passed over when the system was read from a file, a line each.
+    passed_over
+        What was left out when the system was read from a file, a line each.
     """
 
     def __init__(self) -> None:
@@ -94,7 +94,7 @@ class Structure:
         self.algorithm: Algorithm = ALGORITHMS[0]
         self.component_steps: dict[str, float] = {}
         self.stop_time: float | None = None
-        self.notes: tuple[str, ...] = ()
+        self.passed_over: tuple[str, ...] = ()
         self._step_size: float | None = None
         self._order: tuple[str, ...] | None = None
 
@@ -160,7 +160,7 @@ class Structure:
             problems.append(f"{between}: expected two ends of one numeric type, got {types}")
         elif transformation != IDENTITY and kinds[0] != "Real":
             problems.append(f"{between}: expected no transformation of values of type {kinds[0]}, got {transformation}")
-        converted = self._conversion(source, sink) if convert_units else IDENTITY
+        converted = self.conversion(source, sink) if convert_units else IDENTITY
         if converted is None:
             units = " and ".join(str(self.unit(str(port))) for port in (source, sink))
             problems.append(f"{between}: expected two units of one dimension, got {units}")
@@ -199,8 +199,8 @@ class Structure:
             )
         return self.models[port.component].variable(port.component, port.variable)
 
-    def _conversion(self, source: Port, sink: Port) -> Linear | None:
-        """Find what converts between the units of two ends; None where the dimensions differ."""
+    def conversion(self, source: Port, sink: Port) -> Linear | None:
+        """Find what converts between the units of two ports; None where the dimensions differ."""
         return conversion(*(self.models[port.component].defined_unit(self.variable(port)) for port in (source, sink)))
 
     def swap(self, name: str, fmu: str | Path) -> list[Port]:
@@ -258,7 +258,7 @@ class Structure:
     def edges(self) -> dict[Port, Edge]:
         """Tell of each connected input when its value is made."""
         return {
-            sink: Edge(feed.source.component, sink.component, self._variable(feed.source).variability != "continuous")
+            sink: Edge(feed.source.component, sink.component, self.variable(feed.source).variability != "continuous")
             for sink, feed in self.connections.items()
         }
 
@@ -336,8 +336,9 @@ class Structure:
         return {name: settle(name, model, fed, set(given)) for name, model in self.models.items()}
 
     def notes(self, parameters: Iterable[str] = ()) -> list[str]:
-        """Say what a user should know of inputs that nothing feeds, given a run's parameters."""
-        return [note for settled in self._settled({*self.parameters, *parameters}).values() for note in settled.notes]
+        """Say what a user should know: what was passed over, and which inputs nothing feeds in a run."""
+        settled = self._settled({*self.parameters, *parameters}).values()
+        return [*self.passed_over, *(note for inputs in settled for note in inputs.notes)]
 
     def outputs(self) -> list[str]:
         """Name all outputs as ``component.variable``, in order."""

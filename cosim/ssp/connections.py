@@ -14,7 +14,8 @@ from cosim.model import nearest
 from cosim.ssp import ssd
 from cosim.ssp.nodes import GIVES_INSIDE, Node, Nodes, Path, component_name
 from cosim.ssp.quantities import Hop
-from cosim.units import IDENTITY
+from cosim.structure import Port
+from cosim.units import IDENTITY, Linear
 
 
 class Feed(NamedTuple):
@@ -118,5 +119,13 @@ class Connections:
         for end in ends:
             linear, unit = self.feeds[end].hop.linear(unit, self._nodes.unit(end), f"connection {node} -> {sink}")
             total = linear.after(total)
-        source, target = (f"{component_name(end.path)}.{end.connector}" for end in (node, sink))
-        self._nodes.structure.connect(source, target, total, convert_units=False)
+        suppressed = any(self.feeds[end].hop.suppress_unit_conversion for end in ends)
+        self._nodes.structure.connect(*self._as_asked(node, sink, total, suppressed))
+
+    def _as_asked(self, source: Node, sink: Node, total: Linear, suppressed: bool) -> tuple[str, str, Linear, bool]:
+        """Tell a mere conversion of units from what was asked for: another FMU may come that has other units."""
+        ports = [Port(component_name(end.path), end.connector) for end in (source, sink)]
+        converted = self._nodes.structure.conversion(*ports)
+        if total == converted:
+            return str(ports[0]), str(ports[1]), IDENTITY, True
+        return str(ports[0]), str(ports[1]), total, converted == IDENTITY and not suppressed

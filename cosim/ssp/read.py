@@ -21,8 +21,8 @@ def load(path: str | Path, structure: Structure) -> None:
     What SSP has no place for is read from annotations: the step size from those of the Open Simulation Platform, the
     exchange from our own; with it, components step in the order of their elements. Start values of connected inputs
     are passed over, as the initial exchange overrides them, and so are parameters that fit no variable (as the standard
-    says; see ``structure.notes``). Connections from a calculated parameter to a parameter of another component, signal
-    dictionaries as ends of connections, nested ``.ssp`` files and sources elsewhere than in the package are refused.
+    says); ``structure.passed_over`` names them. Connections from a calculated parameter to a parameter of another
+    component, signal dictionaries as ends of connections, nested ``.ssp`` files and sources elsewhere than in the package are refused.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def load(path: str | Path, structure: Structure) -> None:
         raise SetupError(*nodes.problems)
     structure.name = description.name
     structure.parameters |= {str(port): value for port, value in bindings.values.items()}
-    structure.notes = tuple(bindings.notes)
+    structure.passed_over = tuple(bindings.notes)
 
 
 def _take_experiment(description: ssd.Description, structure: Structure) -> None:

@@ -123,7 +123,7 @@ def _given(model: Model, port: Port, value: Value) -> ssv.Given:
 
 def _connection(structure: Structure, sink: Port, feed: Feed) -> ssd.Connection:
     """Write down a connection, its conversion of units as a transformation: not all tools convert units."""
-    source, linear = feed
+    source, linear = feed.source, feed.transformation
     units = [structure.models[port.component].defined_unit(structure.variable(port)) for port in (source, sink)]
     return ssd.Connection(
         start_element=source.component,
