@@ -22,7 +22,8 @@ def load(path: str | Path, structure: Structure) -> None:
     exchange from our own; with it, components step in the order of their elements. Start values of connected inputs
     are passed over, as the initial exchange overrides them, and so are parameters that fit no variable (as the standard
     says); ``structure.passed_over`` names them. Connections from a calculated parameter to a parameter of another
-    component, signal dictionaries as ends of connections, nested ``.ssp`` files and sources elsewhere than in the package are refused.
+    component, signal dictionaries as ends of connections, nested ``.ssp`` files and sources elsewhere than in the
+    package are refused.
 
     Parameters
     ----------
