@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import traceback
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -89,7 +90,7 @@ def app(debug: bool) -> None:
 )
 @click.option("--output", type=click.Path(path_type=Path), default=Path("fmus"), show_default=True, help="Where to.")
 def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
-    """Build the FMUs; those whose content has not changed are left alone.
+    """Build the FMUs and the master's loop in C; what has not changed is left alone.
 
     \b
     Flavours: fmi2 and fmi3 are native, for FMI 2.0 and 3.0; python is FMI 2.0 and needs Python in the host.
@@ -98,16 +99,22 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
       seat-cosim build
       seat-cosim build --flavour fmi3 --platforms all
     """
-    from fmus.build import PLATFORMS, BuildError
+    from cosim import stepper
+    from fmus.build import PLATFORMS, BuildError, build_library
     from fmus.build import build as build_all
 
-    table = Table("FMU", "size", "state", box=None)
+    table = Table("file", "size", "state", box=None)
     chosen = tuple(PLATFORMS) if platforms == "all" else tuple(filter(None, platforms.split(",")))
     if unknown := [name for name in chosen if name not in PLATFORMS]:
         raise SetupError(f"--platforms {platforms}: expected all or names of {', '.join(PLATFORMS)}, got {unknown[0]}")
     try:
         with progress_shown("building FMUs") as report:
-            for built in build_all(output, flavour or FLAVOURS, chosen):
+            files = [build_all(output, flavour or FLAVOURS, chosen)]
+            if set(flavour) != {"python"}:  # which is all that can be built without a compiler
+                files.append(
+                    build_library(stepper.NAME, stepper.sources(), stepper.fingerprint(), stepper.BUILT, chosen)
+                )
+            for built in chain(*files):
                 report(built.path.name)
                 state = "built" if built.fresh else "up to date"
                 table.add_row(str(built.path), f"{built.path.stat().st_size / 1024:.0f} kB", state)

@@ -18,9 +18,19 @@ from fmus.archive import BuildError, Built, guid_of, read_archive, write_archive
 from fmus.component import Component
 from fmus.components import COMPONENTS
 from fmus.description import content_guid, model_description, to_xml
-from fmus.native_build import PLATFORMS, STANDARDS, build_native_fmu
+from fmus.native_build import PLATFORMS, STANDARDS, build_library, build_native_fmu
 
-__all__ = ["COMPONENTS", "FLAVOURS", "PLATFORMS", "BuildError", "Built", "build", "build_python_fmu", "source_files"]
+__all__ = [
+    "COMPONENTS",
+    "FLAVOURS",
+    "PLATFORMS",
+    "BuildError",
+    "Built",
+    "build",
+    "build_library",
+    "build_python_fmu",
+    "source_files",
+]
 
 _PACKAGES = ("fmus", "plant_models", "seat_controller_fmu")
 _SLAVE_SCRIPT = Path(__file__).with_name("slave_script.py")
