@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,21 @@ def native(fmu_folder: Path) -> Path:
 @pytest.fixture
 def system(fmus: Path) -> System:
     return seat_suspension(fmus)
+
+
+def edited(fmu: Path, target: Path, *replacements: tuple[str, str]) -> Path:
+    """Copy an FMU with another description."""
+    with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(target, "w") as copy:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "modelDescription.xml":
+                text = content.decode()
+                for old, new in replacements:
+                    assert old in text
+                    text = text.replace(old, new)
+                content = text.encode()
+            copy.writestr(name, content)
+    return target
 
 
 def read_csv(path: Path) -> dict[str, np.ndarray]:
