@@ -66,7 +66,7 @@ class Session:
         """Extract, instantiate and wire all FMUs."""
         try:
             for name, model in self._system.models.items():
-                folder = self._stack.enter_context(tempfile.TemporaryDirectory(prefix=f"seat-cosim-{name}-"))
+                folder = self._stack.enter_context(tempfile.TemporaryDirectory(prefix="seat-cosim-"))
                 extract(model, Path(folder))
                 instance = instantiate(name, model, Path(folder))
                 self._stack.callback(instance.free)

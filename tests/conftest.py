@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,21 @@ class Shell:
 def shell(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], native: Path, tmp_path: Path) -> Shell:
     monkeypatch.chdir(tmp_path)
     return Shell(monkeypatch, capfd, native)
+
+
+def edited(fmu: Path, target: Path, *replacements: tuple[str, str]) -> Path:
+    """Copy an FMU with another description."""
+    with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(target, "w") as copy:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "modelDescription.xml":
+                text = content.decode()
+                for old, new in replacements:
+                    assert old in text
+                    text = text.replace(old, new)
+                content = text.encode()
+            copy.writestr(name, content)
+    return target
 
 
 def read_csv(path: Path) -> dict[str, np.ndarray]:

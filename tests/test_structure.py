@@ -7,26 +7,12 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from conftest import edited
 
 from cosim import SetupError, System
 from cosim.model import Model
 from cosim.structure import Port
 from cosim.units import IDENTITY, Linear, Unit, conversion
-
-
-def edited(fmu: Path, target: Path, *replacements: tuple[str, str]) -> Path:
-    """Copy an FMU with another description."""
-    with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(target, "w") as copy:
-        for name in archive.namelist():
-            content = archive.read(name)
-            if name == "modelDescription.xml":
-                text = content.decode()
-                for old, new in replacements:
-                    assert old in text
-                    text = text.replace(old, new)
-                content = text.encode()
-            copy.writestr(name, content)
-    return target
 
 
 @pytest.fixture
