@@ -187,14 +187,24 @@ class Sine:
         Complex: the sine is the real part of amplitude * exp(2 pi i f t), t = 0 at the signal's first sample.
     offset
         The mean beside it.
-    distortion
-        RMS of what is neither sine nor offset, over the sine's RMS; infinite if there is no sine.
+    residual
+        RMS of what is neither.
     """
 
     frequency: float
     amplitude: complex
     offset: float
-    distortion: float
+    residual: float
+
+    @property
+    def rms(self) -> float:
+        """RMS of sine and residual, without the offset."""
+        return math.hypot(abs(self.amplitude) / math.sqrt(2.0), self.residual)
+
+    @property
+    def distortion(self) -> float:
+        """Residual over the sine's RMS; infinite if there is no sine."""
+        return self.residual / (abs(self.amplitude) / math.sqrt(2.0)) if self.amplitude else math.inf
 
 
 def fit_sine(signal: npt.ArrayLike, rate: float, frequency: float, settle: float = 0.0) -> Sine:
@@ -225,11 +235,8 @@ def fit_sine(signal: npt.ArrayLike, rate: float, frequency: float, settle: float
     angle = 2.0 * np.pi * frequency / rate * np.arange(total - x.size, total)
     basis = np.column_stack((np.cos(angle), np.sin(angle), np.ones_like(angle)))
     cosine, sine, offset = (float(value) for value in np.linalg.lstsq(basis, x, rcond=None)[0])
-    rest = float(np.sqrt(np.mean((x - basis @ (cosine, sine, offset)) ** 2)))
-    rms = math.hypot(cosine, sine) / math.sqrt(2.0)
-    if rms == 0.0:
-        return Sine(frequency, 0j, offset, math.inf)
-    return Sine(frequency, complex(cosine, -sine), offset, rest / rms)
+    residual = float(np.sqrt(np.mean((x - basis @ (cosine, sine, offset)) ** 2)))
+    return Sine(frequency, complex(cosine, -sine), offset, residual)
 
 
 @dataclass(frozen=True)
@@ -253,8 +260,16 @@ class SineTransmissibility:
 
     @property
     def gain(self) -> float:
-        """Its magnitude; at the resonance of a seat with an inert mass, T of the damping test of ISO 10326-1."""
+        """Its magnitude: what the excitation's frequency alone does."""
         return abs(self.ratio)
+
+    @property
+    def rms_ratio(self) -> float:
+        """RMS of the response over that of the excitation, harmonics and all.
+
+        At the resonance of a seat that carries an inert mass this is T of the damping test of ISO 10326-1.
+        """
+        return self.response.rms / self.excitation.rms
 
 
 def sine_transmissibility(

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import astuple, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -168,6 +171,17 @@ def test_energy_scales_and_powers_keep_their_order(seed: int, factor: float):
     assert astuple(stronger) == pytest.approx([factor * value for value in astuple(found)], abs=1e-9 * factor)
     assert abs(found.power_mean) <= found.power_absolute <= found.power_peak
     assert found.power_mean == pytest.approx(2.0 * found.power_positive - found.power_absolute)
+
+
+def test_the_script_of_the_page_runs(native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    page = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "fmus").symlink_to(native)
+    monkeypatch.chdir(tmp_path)
+    names: dict = {}
+    exec(script, names)
+    # a controlled seat below its 250 N isolates at 2 Hz
+    assert names["seat_factor"](*(names["ride"](names[end], 500.0, 10.0) for end in ("driver", "floor"))).rms < 0.8
 
 
 GOOD = np.ones(2000)
