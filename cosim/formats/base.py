@@ -53,11 +53,9 @@ def imported(name: str, extra: str) -> Any:
     """
     try:
         return import_module(name)
-    except ImportError:
-        distribution = name.partition(".")[0]
-        raise SetupError(
-            f'{extra} files: expected the package {distribution}, got none; run: pip install "seat-cosim[{extra}]"'
-        ) from None
+    except ImportError as error:
+        expected = f"expected the package {name.partition('.')[0]}"
+        raise SetupError(f'{extra} files: {expected}, got: {error}; run: pip install "seat-cosim[{extra}]"') from None
 
 
 class FileSink(ABC):
