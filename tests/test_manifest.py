@@ -121,7 +121,7 @@ def test_a_session_runs_to_many_folders(swapped: System, tmp_path: Path):
     assert manifests[0].files != manifests[1].files
 
 
-@pytest.mark.parametrize("option", [{"record": ["nothing"]}, {"formats": ["xlsx"]}, {"step_size": 0.0}])
+@pytest.mark.parametrize("option", [{"record": ["nothing"]}, {"formats": ["xlsx"]}, {"record_every": 0}])
 def test_a_refused_run_leaves_the_folder_alone(swapped: System, tmp_path: Path, option: dict[str, Any]):
     run(swapped, tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}

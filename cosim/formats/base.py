@@ -111,7 +111,9 @@ class FileSink(ABC):
             self._open = True
 
     def write(self, rows: Rows) -> None:
-        """Write some rows, time first; they are not kept."""
+        """Write some rows, time first; they are not kept. After a failure, which a run hears of once, nothing is."""
+        if self._failed:
+            return
         with self._writing():
             self._write(rows)
         self.rows += len(rows)
