@@ -16,10 +16,9 @@ import numpy as np
 import pytest
 from conftest import Shell, read_csv
 
-from cosim import Result, SetupError, System
+from cosim import Manifest, Result, SetupError, System, run_to_folder
 from cosim.formats import FORMATS
-from cosim.manifest import Manifest, sha256
-from cosim.run_folder import run_to_folder
+from cosim.manifest import sha256
 from cosim.scenarios import seat_suspension
 from cosim.units import Linear
 
@@ -63,6 +62,7 @@ def test_run_json_tells_what_ran_and_how_it_ended(swapped: System, tmp_path: Pat
         "seat.driver_mass": 70.0,
         "shaker.profile": "sine",
     }
+    assert list(told["parameters"]) == sorted(told["parameters"])
     assert (told["stop_time"], told["step_size"]) == (0.1, H)
     assert (told["record"], told["record_every"], told["formats"]) == (record, 2, ["csv", "parquet"])
 
