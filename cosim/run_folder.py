@@ -69,7 +69,7 @@ def run_to_folder(
         If an FMU failed while loading or initialising.
     """
     record = None if record is None else list(record)
-    system.validate(stop_time, step_size, parameters, record)
+    system.validate(stop_time, step_size, parameters, record, algorithm, record_every)
     files = sinks(folder, formats)
     manifest = Manifest.of(
         system,

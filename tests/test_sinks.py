@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ import pytest
 from cosim import Result, RunError, SetupError, System
 from cosim.formats import FORMATS, FileSink, read, sinks
 from cosim.formats.base import BLOCK_ROWS, file_name
+from cosim.scenarios import seat_suspension
 
 H = 0.002
 NAMES = ["seat.driver_acceleration", "controller.saturated", "other.table[1,2]"]
@@ -149,15 +151,22 @@ def test_a_file_that_cannot_be_opened_is_a_failure_of_the_run(tmp_path: Path, na
     sink.end(False)
 
 
-def test_a_run_ends_incomplete_where_its_rows_cannot_be_written(system: System, tmp_path: Path):
-    files = sinks(tmp_path)
-    (tmp_path / "result.partial.csv").symlink_to("/dev/full")
-    with system.open() as session, pytest.raises(RunError, match="No space left on device"):
-        session.run(0.1, H, sinks=files)
-    files = sinks(tmp_path)
-    with system.open() as session:
-        (tmp_path / "result.partial.csv").unlink()
-        assert session.run(0.1, H, sinks=files).complete
+@pytest.mark.parametrize("loop", ["c", "python"])
+def test_a_disk_that_fills_up_ends_the_run_and_loses_nothing(native: Path, tmp_path: Path, loop: str):
+    room = 20_000
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    with seat_suspension(native / "fmi2").open() as session:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+        try:
+            result = session.run(1.0, H, sinks=sinks(tmp_path), loop=loop)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert not result.complete
+    assert str(result.error) == f"{tmp_path}/result.partial.csv: expected to write the result, got: File too large"
+    written = Result.read(tmp_path / "result.partial.csv")
+    assert (tmp_path / "result.partial.csv").stat().st_size == room
+    assert np.array_equal(written.rows, result.rows[: len(written.time)])
+    assert 0 < len(written.time) < len(result.time)
 
 
 def test_a_missing_package_is_told_before_the_run_with_its_extra(tmp_path: Path):
@@ -169,8 +178,9 @@ def test_a_missing_package_is_told_before_the_run_with_its_extra(tmp_path: Path)
     )
     told = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert told.stdout.splitlines() == [
-        'parquet files: expected the package pyarrow, got none; run: pip install "seat-cosim[parquet]"',
-        'mdf files: expected the package asammdf, got none; run: pip install "seat-cosim[mdf]"',
+        f"{extra} files: expected the package {package}, got: import of {package} halted; None in sys.modules; "
+        f'run: pip install "seat-cosim[{extra}]"'
+        for extra, package in (("parquet", "pyarrow"), ("mdf", "asammdf"))
     ]
     assert not list(tmp_path.iterdir())
 

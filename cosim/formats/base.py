@@ -53,11 +53,9 @@ def imported(name: str, extra: str) -> Any:
     """
     try:
         return import_module(name)
-    except ImportError:
-        distribution = name.partition(".")[0]
-        raise SetupError(
-            f'{extra} files: expected the package {distribution}, got none; run: pip install "seat-cosim[{extra}]"'
-        ) from None
+    except ImportError as error:
+        expected = f"expected the package {name.partition('.')[0]}"
+        raise SetupError(f'{extra} files: {expected}, got: {error}; run: pip install "seat-cosim[{extra}]"') from None
 
 
 class FileSink(ABC):
@@ -113,7 +111,9 @@ class FileSink(ABC):
             self._open = True
 
     def write(self, rows: Rows) -> None:
-        """Write some rows, time first; they are not kept."""
+        """Write some rows, time first; they are not kept. After a failure, which a run hears of once, nothing is."""
+        if self._failed:
+            return
         with self._writing():
             self._write(rows)
         self.rows += len(rows)
