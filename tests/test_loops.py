@@ -100,10 +100,10 @@ def test_transformed_values_come_out_alike(native: Path, tmp_path: Path):
     system.add("shaker", edited(native / "fmi2" / "Shaker.fmu", tmp_path / "mm.fmu", millimetres))
     system.add("seat", native / "fmi3" / "SeatPlant.fmu")
     system.connect("shaker.floor_displacement", "seat.floor_displacement", Linear(1.1, 0.003))
-    result = both(system, 0.2, H)
+    result = both(system, 0.2, H, {"seat.floor_signals": "all"})
     floor = result["seat.seat_displacement"] - result["seat.suspension_deflection"]
     held = 1.1 * 0.001 * result["shaker.floor_displacement"] + 0.003
-    assert floor[1:] == pytest.approx(held[1:], abs=1e-12)
+    assert floor[1:] == pytest.approx(held[:-1], abs=1e-12)  # of the step before
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)

@@ -83,7 +83,9 @@ def test_a_manifest_reads_back_and_rebuilds_its_system(swapped: System, tmp_path
     read = Manifest.read(tmp_path / "run.json")
     assert read == manifest
     again = read.system()
-    assert again.connections == swapped.connections
+    assert {sink: feed[:2] for sink, feed in again.connections.items()} == {
+        sink: feed[:2] for sink, feed in swapped.connections.items()
+    }
     assert again.order == swapped.order
     assert again.component_steps == {"seat": 0.004}
     assert again.algorithm == "jacobi"

@@ -47,6 +47,13 @@ def faulty(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return fmus
 
 
+@pytest.fixture(autouse=True)
+def own_temporary_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Others may run on this machine."""
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+
+
 def left_behind() -> list[str]:
     return sorted(path.name for path in Path(tempfile.gettempdir()).glob("seat-cosim-*"))
 

@@ -97,7 +97,7 @@ def test_a_saved_system_is_loaded_as_it_was(native: Path, tmp_path: Path, flavou
     assert loaded.connections == system.connections
     assert (loaded.name, loaded.order) == ("SeatSuspension", ("controller", "seat", "shaker"))
     assert (loaded.stop_time, loaded.step_size, loaded.algorithm) == (3.0, 0.002, "gauss-seidel")
-    assert loaded.notes == ()
+    assert loaded.passed_over == ()
     same_trajectory(system, loaded)
 
 
@@ -418,7 +418,7 @@ def test_names_that_fit_nothing_and_starts_of_fed_inputs_are_passed_over(seat_ss
     system = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit))
     assert system.parameters == {}
     where = f"{tmp_path / 'a.ssp' / DESCRIPTION}: parameter"
-    assert system.notes == (
+    assert system.passed_over == (
         f"{where} seat.weight: passed over, as there is no seat.weight in the system",
         f"{where} bench.x: passed over, as there is no bench.x in the system",
     )

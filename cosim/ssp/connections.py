@@ -126,6 +126,6 @@ class Connections:
         """Tell a mere conversion of units from what was asked for: another FMU may come that has other units."""
         ports = [Port(component_name(end.path), end.connector) for end in (source, sink)]
         converted = self._nodes.structure.conversion(*ports)
-        if total == converted:
+        if total == converted and not (suppressed and converted == IDENTITY):
             return str(ports[0]), str(ports[1]), IDENTITY, True
         return str(ports[0]), str(ports[1]), total, converted == IDENTITY and not suppressed

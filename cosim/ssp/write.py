@@ -123,15 +123,15 @@ def _given(model: Model, port: Port, value: Value) -> ssv.Given:
 
 def _connection(structure: Structure, sink: Port, feed: Feed) -> ssd.Connection:
     """Write down a connection, its conversion of units as a transformation: not all tools convert units."""
-    source, linear = feed.source, feed.transformation
+    source = feed.source
     units = [structure.models[port.component].defined_unit(structure.variable(port)) for port in (source, sink)]
     return ssd.Connection(
         start_element=source.component,
         start_connector=source.variable,
         end_element=sink.component,
         end_connector=sink.variable,
-        suppress_unit_conversion=linear != IDENTITY or conversion(*units) != IDENTITY,
-        transformation=ssv.Transformation.of(linear),
+        suppress_unit_conversion=not feed.convert_units or conversion(*units) != IDENTITY,
+        transformation=ssv.Transformation.of(feed.transformation),
     )
 
 
