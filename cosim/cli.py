@@ -14,10 +14,11 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.cli_design import design
+from cosim.cli_options import run_options, set_option, settings_of
 from cosim.cli_rerun import rerun
+from cosim.cli_simulate import simulate
 from cosim.console import command_line, conclude, console, progress_shown
 from cosim.errors import CosimError, RunError, SetupError, writing_to
-from cosim.formats import FORMATS
 from cosim.model import Value
 from cosim.results import Result, clear
 from cosim.run_folder import run_to_folder
@@ -131,6 +132,7 @@ def _systems(folder: Path, flavours: Iterable[str], platforms: Iterable[str]) ->
 
 app.add_command(design)
 app.add_command(rerun)
+app.add_command(simulate)
 
 
 @app.command()
@@ -158,13 +160,12 @@ def fmus(folder: Path) -> None:
 @click.option("--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json.")
 @click.option("--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1].")
 @click.option("--control", "switch", type=click.Choice(["on", "off"]), help="Controller on or off [default: on].")
-@click.option("--set", "settings", multiple=True, metavar="COMPONENT.VARIABLE=VALUE", help="Any parameter; wins.")
+@set_option
 @click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
 @_flavour_option
 @_fmus_option
-@click.option("--format", "formats", type=click.Choice(list(FORMATS)), multiple=True, help="Beside CSV; repeatable.")
-@click.option("--record-every", type=click.IntRange(min=1), default=1, metavar="N", help="Record every N-th step.")
+@run_options
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
 def run(
     scenario: str,
@@ -177,9 +178,8 @@ def run(
     step_size: float | None,
     flavour: str,
     fmus_folder: Path,
-    formats: tuple[str, ...],
-    record_every: int,
     output: Path | None,
+    **how: Any,
 ) -> None:
     """Run one scenario of the seat suspension; writes result.csv, a figure and run.json, which `rerun` takes.
 
@@ -198,7 +198,7 @@ def run(
     parameters |= _observer(int(number)) if number else {}
     parameters |= control(switch == "on") if switch else {}
     parameters |= _driver(driver_mass)
-    parameters |= _settings(settings)
+    parameters |= settings_of(settings)
     folder = output or Path("results", "run", scenario)
     with progress_shown(f"running {scenario}") as report:
         result = run_to_folder(
@@ -207,10 +207,9 @@ def run(
             stop_time=stop_time,
             step_size=step_size,
             parameters=parameters,
-            record_every=record_every,
-            formats=formats,
             progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"),
             command=command_line(),
+            **how,
         )
     conclude(result)
     _overview(system, result, folder, scenario)
@@ -219,16 +218,6 @@ def run(
 
 def _driver(mass: float | None) -> dict[str, Value]:
     return {} if mass is None else driver_mass(mass)
-
-
-def _settings(settings: tuple[str, ...]) -> dict[str, Value]:
-    found: dict[str, Value] = {}
-    for setting in settings:
-        name, equals, value = setting.partition("=")
-        if not equals:
-            raise SetupError(f"--set {setting}: expected COMPONENT.VARIABLE=VALUE")
-        found[name.strip()] = value.strip()
-    return found
 
 
 def _overview(system: System, result: Result, folder: Path, scenario: str) -> None:
