@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Iterable, Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -90,7 +91,7 @@ def app(debug: bool) -> None:
 )
 @click.option("--output", type=click.Path(path_type=Path), default=Path("fmus"), show_default=True, help="Where to.")
 def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
-    """Build the FMUs and the systems of them (.ssp); what has not changed is left alone.
+    """Build the FMUs, the systems of them (.ssp) and the master's loop in C; what has not changed is left alone.
 
     \b
     Flavours: fmi2 and fmi3 are native, for FMI 2.0 and 3.0; python is FMI 2.0 and needs Python in the host.
@@ -99,7 +100,8 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
       seat-cosim build
       seat-cosim build --flavour fmi3 --platforms all
     """
-    from fmus.build import PLATFORMS, BuildError
+    from cosim import stepper
+    from fmus.build import PLATFORMS, BuildError, build_library
     from fmus.build import build as build_all
 
     table = Table("file", "size", "state", box=None)
@@ -108,7 +110,12 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
         raise SetupError(f"--platforms {platforms}: expected all or names of {', '.join(PLATFORMS)}, got {unknown[0]}")
     try:
         with progress_shown("building FMUs") as report:
-            for built in build_all(output, flavour or FLAVOURS, chosen):
+            files = [build_all(output, flavour or FLAVOURS, chosen)]
+            if set(flavour) != {"python"}:  # which is all that can be built without a compiler
+                files.append(
+                    build_library(stepper.NAME, stepper.sources(), stepper.fingerprint(), stepper.BUILT, chosen)
+                )
+            for built in chain(*files):
                 report(built.path.name)
                 table.add_row(*_built(built.path, built.fresh))
             for name, system in _systems(output, flavour or FLAVOURS, chosen):

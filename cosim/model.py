@@ -185,10 +185,10 @@ class Model:
             return str(given)
         number = _number(variable, where, given)
         low, high = self.bound(variable, "min"), self.bound(variable, "max")
-        unit = f" {self.unit(variable)}" if self.unit(variable) else ""
         if not math.isfinite(number):
             raise SetupError(f"{where}: expected a finite number, got {given}")
         if (low is not None and number < low) or (high is not None and number > high):
+            unit = f" {self.unit(variable)}" if self.unit(variable) else ""
             bounds = f"[{'-inf' if low is None else f'{low:g}'}, {'inf' if high is None else f'{high:g}'}]"
             raise SetupError(f"{where}: expected a value in {bounds}{unit}, got {given}")
         return number

@@ -6,7 +6,7 @@ import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -14,11 +14,29 @@ COMPLETE = "result.csv"
 PARTIAL = "result.partial.csv"
 
 
+class Sink(Protocol):
+    """Takes the rows of a run while it goes on."""
+
+    def begin(self, names: Sequence[str], units: Sequence[str | None]) -> None:
+        """Take the names of the recorded outputs, as ``component.variable``, and their units."""
+
+    def write(self, rows: np.ndarray[Any, Any]) -> None:
+        """Take complete rows, shape (n, 1 + names), time in s first; the array is the run's: copy what is to stay."""
+
+    def end(self, complete: bool) -> None:
+        """Hear that no more rows come, and whether the run reached its stop time."""
+
+
+LoopName = Literal["c", "python"]
+"""Which loop turned the crank."""
+
+
 @dataclass(frozen=True)
 class Result:
     """Values at the communication points of a run.
 
-    Row k holds the values at t_k: what is continuous as it was when step k began, what is discrete as step k computed
+    There is a row for the instants t_0, t_N, t_2N, ... and for the last one, where every N-th step is recorded. The row
+    of t_k holds the values at t_k: what is continuous as it was when step k began, what is discrete as step k computed
     it. The last row repeats the last discrete values, as nothing steps past the stop.
 
     Attributes
@@ -35,6 +53,10 @@ class Result:
         Why it did not.
     warnings
         What the FMUs warned of.
+    loop
+        Which loop turned the crank.
+    missed_deadlines, worst_lateness
+        Of a run in real time: how many steps were not finished when the next was due, and by how much at worst, in s.
     """
 
     time: np.ndarray[Any, Any]
@@ -43,6 +65,9 @@ class Result:
     complete: bool = True
     error: Exception | None = None
     warnings: Sequence[str] = ()
+    loop: LoopName = "python"
+    missed_deadlines: int = 0
+    worst_lateness: float = 0.0
 
     def __getitem__(self, name: str) -> np.ndarray[Any, Any]:
         """Return the values of ``component.variable``."""

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Self
+from typing import Self, Unpack
 
 from cosim.errors import SetupError, writing_to
 from cosim.model import Value
-from cosim.results import Result
-from cosim.session import Session
+from cosim.plan import rates
+from cosim.results import LoopName, Result
+from cosim.session import Options, Session, check_choices
 from cosim.ssp import load, package_contents
-from cosim.structure import Structure
+from cosim.structure import Algorithm, Structure
 
 
 class System(Structure):
@@ -71,6 +72,9 @@ class System(Structure):
         step_size: float | None = None,
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
+        algorithm: Algorithm | None = None,
+        record_every: int = 1,
+        loop: LoopName | None = None,
     ) -> None:
         """Check all that can be checked before an FMU is loaded.
 
@@ -81,9 +85,10 @@ class System(Structure):
         """
         problems: list[str] = []
         for check in (
-            lambda: self.clock(stop_time, step_size),
+            lambda: rates(self.component_steps, list(self.models), self.clock(stop_time, step_size)),
             lambda: self.check(parameters or {}),
             lambda: self.recorded(record),
+            lambda: check_choices(algorithm, record_every, loop),
         ):
             try:
                 check()
@@ -103,8 +108,11 @@ class System(Structure):
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
         progress: Callable[[float], None] | None = None,
+        **options: Unpack[Options],
     ) -> Result:
         """Load, run once, free; see :meth:`cosim.session.Session.run`."""
-        self.validate(stop_time, step_size, parameters, record)
+        record = None if record is None else list(record)
+        choices = options.get("algorithm"), options.get("record_every", 1), options.get("loop")
+        self.validate(stop_time, step_size, parameters, record, *choices)
         with self.open() as session:
-            return session.run(stop_time, step_size, parameters, record, progress)
+            return session.run(stop_time, step_size, parameters, record, progress, **options)

@@ -18,7 +18,7 @@ from fmus.archive import BuildError, Built, guid_of, read_archive, write_archive
 from fmus.component import Component
 from fmus.components import COMPONENTS
 from fmus.description import content_guid, model_description, to_xml
-from fmus.native_build import PLATFORMS, STANDARDS, build_native_fmu, host_platform
+from fmus.native_build import PLATFORMS, STANDARDS, build_library, build_native_fmu, host_platform
 
 __all__ = [
     "COMPONENTS",
@@ -27,6 +27,7 @@ __all__ = [
     "BuildError",
     "Built",
     "build",
+    "build_library",
     "build_python_fmu",
     "host_platform",
     "source_files",

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution, version
@@ -263,6 +263,47 @@ def build_native_fmu(flavour: str, component: Component, folder: Path, platforms
         write_archive(target, files)
         cross_check.write(component, folder)
     return Built(target, fresh)
+
+
+def build_library(
+    name: str, sources: dict[str, bytes], mark: bytes, folder: Path, platforms: Sequence[str] = ()
+) -> Iterator[Built]:
+    """Build a shared library that is no FMU, unless one of the same mark lies there already.
+
+    Parameters
+    ----------
+    name
+        Of the library, without extension.
+    sources
+        As :func:`compile_binary` takes them.
+    mark
+        What a library of these sources contains, and none of others.
+    folder
+        Where it goes: to the subfolder of its platform's name.
+    platforms
+        Names from :data:`PLATFORMS`; the host's where none is given.
+
+    Yields
+    ------
+    Built
+        As soon as it is there.
+
+    Raises
+    ------
+    BuildError
+        If the compiler is missing or fails, or a platform is not known.
+    """
+    _compiler_version()
+    for platform in [_platform(name) for name in platforms or (host_platform(),)]:
+        target = folder / platform.name / f"{name}{platform.extension}"
+        fresh = not target.is_file() or mark not in target.read_bytes()
+        if fresh:
+            binary = compile_binary(name, sources, platform)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            unfinished = target.with_suffix(".tmp")
+            unfinished.write_bytes(binary)
+            unfinished.replace(target)
+        yield Built(target, fresh)
 
 
 def _platform(name: str) -> Platform:

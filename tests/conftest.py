@@ -9,13 +9,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim import System
+from cosim import System, stepper
 from cosim.scenarios import seat_suspension
-from fmus.build import build
+from fmus.build import build, build_library
 
 ROOT = Path(__file__).parent.parent
 DATA = Path(__file__).parent / "data"
 NATIVE = ("fmi2", "fmi3")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def core() -> None:
+    """Build the loop in C, unless it lies there already."""
+    for _ in build_library(stepper.NAME, stepper.sources(), stepper.fingerprint(), stepper.BUILT):
+        pass
 
 
 @pytest.fixture(scope="session")

@@ -234,6 +234,24 @@ def test_a_nested_system_runs_as_the_flat_one(seat_ssp: Path, tmp_path: Path):
     assert System.load(tmp_path / "flat.ssp").connections == system.connections
 
 
+def test_transformations_of_a_way_come_in_its_order(seat_ssp: Path, tmp_path: Path):
+    def linear(*numbers: float) -> ssv.Transformation | None:
+        return ssv.Transformation.of(Linear(*numbers))
+
+    edit = with_system(
+        elements=lambda old: (
+            *old,
+            replace(THROUGH, connections=(joined("in", "out", transformation=linear(5.0, 7.0)),)),
+        ),
+        connections=(
+            joined("controller.force", "through.in", transformation=linear(2.0, 3.0)),
+            joined("through.out", "seat.force", transformation=linear(11.0, 13.0)),
+        ),
+    )
+    feed = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit)).connections[Port("seat", "force")]
+    assert feed.transformation(1.0) == 11.0 * (5.0 * (2.0 * 1.0 + 3.0) + 7.0) + 13.0
+
+
 def test_an_outermost_input_stays_free_and_takes_a_start_value(seat_ssp: Path, tmp_path: Path):
     edit = with_system(
         connectors=(ssd.Connector(name="push", kind="input", type=ssd.Type(kind="Real", unit="N")),),
