@@ -76,6 +76,8 @@ class Port:
         What transforms values on their way from the table; both None where they stay as they are.
     discrete
         Whether the variables are discrete outputs.
+    direct
+        Whether the FMU writes into the table itself, of which ``buffer`` is a part.
     """
 
     access: Access
@@ -83,6 +85,7 @@ class Port:
     factors: np.ndarray[Any, Any] | None = None
     offsets: np.ndarray[Any, Any] | None = None
     discrete: bool = False
+    direct: bool = False
 
 
 @dataclass(frozen=True)
@@ -208,13 +211,13 @@ class Instance(ABC):
         reason = " ".join((said[-1] if said else str(error)).split())
         return RunError(f"{self.name}: {call} failed at t = {time:g} s{status}: {reason}")
 
-    def asked_to_end(self, reached: float) -> RunError:
-        """Describe an FMU that asks for the end of the run, having reached a time in s."""
-        return RunError(f"{self.name}: asked to end the run at t = {reached:g} s")
+    def asked_to_end(self, call: str, reached: float) -> RunError:
+        """Describe an FMU that asks in a call for the end of the run, having reached a time in s."""
+        return RunError(f"{self.name}: {call} asked to end the run at t = {reached:g} s")
 
-    def returned_early(self, reached: float) -> RunError:
+    def returned_early(self, call: str, reached: float) -> RunError:
         """Describe an FMU that did not finish its step, though it was not allowed to return early."""
-        return RunError(f"{self.name}: {self.PREFIX}DoStep returned early, at t = {reached:g} s")
+        return RunError(f"{self.name}: {call} returned early, at t = {reached:g} s")
 
     @property
     def warnings(self) -> list[str]:
@@ -278,16 +281,23 @@ class Instance(ABC):
     ) -> Port:
         transformations = [places[name][1] for name in names]
         identical = all(transformation == IDENTITY for transformation in transformations)
+        found = np.array([places[name][0] for name in names], dtype=np.int64)
+        begin, end = int(found[0]), int(found[0]) + len(found)
+        direct = direction == "Get" and self.C_TYPES[kind] is ctypes.c_double and found.tolist() == [*range(begin, end)]
         return Port(
-            access=self._accessor(direction, kind, names),
-            places=np.array([places[name][0] for name in names], dtype=np.int64),
+            access=self._accessor(direction, kind, names, self._table[begin:end] if direct else None),
+            places=found,
             factors=None if identical else np.array([t.factor for t in transformations]),
             offsets=None if identical else np.array([t.offset for t in transformations]),
             discrete=discrete,
+            direct=direct,
         )
 
-    def _accessor(self, direction: str, kind: str, names: Sequence[str]) -> Access:
-        buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
+    def _accessor(
+        self, direction: str, kind: str, names: Sequence[str], buffer: np.ndarray[Any, Any] | None = None
+    ) -> Access:
+        if buffer is None:
+            buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
         references = (ctypes.c_uint * len(names))(*(self.model.variables[name].valueReference for name in names))
         pointer = buffer.ctypes.data_as(ctypes.POINTER(self.C_TYPES[kind]))
         function = f"{self.PREFIX}{direction}{kind}"
@@ -310,7 +320,8 @@ class Instance(ABC):
         for port in self._outputs:
             if discrete is None or port.discrete is discrete:
                 port.access.call()
-                self._table[port.places] = port.access.buffer
+                if not port.direct:
+                    self._table[port.places] = port.access.buffer
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
 
@@ -480,9 +491,9 @@ class Instance3(Instance):
         flags = (ctypes.byref(flag) for flag in (self._event, self._terminate, self._early, self._reached))
         self._call("DoStep", time, step_size, True, *flags)
         if self._terminate.value:
-            raise self.asked_to_end(self._reached.value)
+            raise self.asked_to_end("fmi3DoStep", self._reached.value)
         if self._early.value:
-            raise self.returned_early(self._reached.value)
+            raise self.returned_early("fmi3DoStep", self._reached.value)
 
     def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
         return (*super()._arguments(references, count, pointer), count)
