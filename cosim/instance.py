@@ -208,13 +208,13 @@ class Instance(ABC):
         reason = " ".join((said[-1] if said else str(error)).split())
         return RunError(f"{self.name}: {call} failed at t = {time:g} s{status}: {reason}")
 
-    def asked_to_end(self, reached: float) -> RunError:
-        """Describe an FMU that asks for the end of the run, having reached a time in s."""
-        return RunError(f"{self.name}: asked to end the run at t = {reached:g} s")
+    def asked_to_end(self, call: str, reached: float) -> RunError:
+        """Describe an FMU that asks in a call for the end of the run, having reached a time in s."""
+        return RunError(f"{self.name}: {call} asked to end the run at t = {reached:g} s")
 
-    def returned_early(self, reached: float) -> RunError:
+    def returned_early(self, call: str, reached: float) -> RunError:
         """Describe an FMU that did not finish its step, though it was not allowed to return early."""
-        return RunError(f"{self.name}: {self.PREFIX}DoStep returned early, at t = {reached:g} s")
+        return RunError(f"{self.name}: {call} returned early, at t = {reached:g} s")
 
     @property
     def warnings(self) -> list[str]:
@@ -480,9 +480,9 @@ class Instance3(Instance):
         flags = (ctypes.byref(flag) for flag in (self._event, self._terminate, self._early, self._reached))
         self._call("DoStep", time, step_size, True, *flags)
         if self._terminate.value:
-            raise self.asked_to_end(self._reached.value)
+            raise self.asked_to_end("fmi3DoStep", self._reached.value)
         if self._early.value:
-            raise self.returned_early(self._reached.value)
+            raise self.returned_early("fmi3DoStep", self._reached.value)
 
     def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
         return (*super()._arguments(references, count, pointer), count)

@@ -49,11 +49,10 @@ class Recorder:
         chosen = np.array(discrete, dtype=bool)
         self._places = cells[:, 1].copy()
         self.continuous, self.discrete = cells[~chosen], cells[chosen]
-        self._set_up(keep=False, sinks=())
+        self._set_up(0, keep=False, sinks=())
 
-    def _set_up(self, keep: bool, sinks: Sequence[Sink]) -> None:
-        rows = -(-self._clock.steps // self.every) + 1
-        self.rows = np.empty((rows if keep else min(rows, BLOCK), len(self.names) + 1))
+    def _set_up(self, rows: int, keep: bool, sinks: Sequence[Sink]) -> None:
+        self.rows = np.empty((rows, len(self.names) + 1))
         self._keep, self._sinks = keep, sinks
         self.first_tick = self._filled = self._written = 0
         self.complete = False
@@ -61,7 +60,8 @@ class Recorder:
     @contextmanager
     def recording(self, keep: bool, sinks: Sequence[Sink]) -> Iterator[None]:
         """Record a run: make room for all its rows, or for a block of them; begin and end the sinks."""
-        self._set_up(keep, sinks)
+        rows = -(-self._clock.steps // self.every) + 1
+        self._set_up(rows if keep else min(rows, BLOCK), keep, sinks)
         begun = []
         try:
             for sink in sinks:

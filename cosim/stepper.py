@@ -216,9 +216,9 @@ class CLoop:
         turn: Turn = self._plan.turns[fault.component]
         calls: Calls = self._calls[fault.component]
         if cause == "asked to end":
-            return turn.instance.asked_to_end(fault.reached)
+            return turn.instance.asked_to_end(calls.step_name, fault.reached)
         if cause == "returned early":
-            return turn.instance.returned_early(fault.reached)
+            return turn.instance.returned_early(calls.step_name, fault.reached)
         if cause == "stepping":
             name, time = calls.step_name, turn.rate.time(tick, fault.which)
         else:
