@@ -68,7 +68,7 @@ def run_to_folder(
     RunError
         If an FMU failed while loading or initialising.
     """
-    record = None if record is None else list(record)
+    record, formats = None if record is None else list(record), list(formats)
     system.validate(stop_time, step_size, parameters, record, algorithm, record_every)
     files = sinks(folder, formats)
     manifest = Manifest.of(

@@ -206,7 +206,7 @@ def test_types_and_units_are_compared_across_versions(native: Path):
     system.add("seat", native / "fmi2" / "SeatPlant.fmu")
     with pytest.raises(Exception, match="expected two ends of one numeric type, got Boolean and Real"):
         system.connect("controller.saturated", "seat.force")
-    with pytest.raises(Exception, match="expected two ends of one unit, got N.m and N"):
+    with pytest.raises(Exception, match="expected two units of one dimension, got N.m and N"):
         system.connect("controller.motor_torque", "seat.force")
     system.connect("controller.force", "seat.force")
 
