@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import get_type_hints
 
-from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME, Component
+from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME, Component, StateField, state_fields
 from fmus.description import LOG_CATEGORIES
 from fmus.variables import Variable, variables_of
 
@@ -21,7 +20,7 @@ def _number(value: float | None, otherwise: str) -> str:
 
 
 def _type(variable: Variable) -> str:
-    return "ENUMERATION" if variable.items else "BOOLEAN" if variable.type is bool else "REAL"
+    return "BOOLEAN" if variable.type is bool else "INTEGER" if issubclass(variable.type, int) else "REAL"
 
 
 def _bounds(variable: Variable) -> tuple[float | None, float | None]:
@@ -50,7 +49,7 @@ def _table_row(variable: Variable) -> str:
 def _read(variable: Variable, reference: int) -> str:
     """Write the expression that takes a variable's value from the table."""
     value = f"values[{reference}]"
-    return f"(int){value}" if variable.items else f"{value} != 0.0" if variable.type is bool else value
+    return {"BOOLEAN": f"{value} != 0.0", "INTEGER": f"(int){value}", "REAL": value}[_type(variable)]
 
 
 def _taking(name: str, struct: str, members: list[tuple[int, Variable]]) -> Iterator[str]:
@@ -73,24 +72,32 @@ def _storing(members: list[tuple[int, Variable]]) -> Iterator[str]:
 
 def _packing(component: Component) -> Iterator[str]:
     """Write how a state becomes numbers and comes back."""
-    fields = get_type_hints(component.state)
     yield "static inline void model_pack(const ModelState *state, double *packed)"
     yield "{"
     yield "    (void)state, (void)packed;"
-    yield from (f"    packed[{place}] = (double)state->{field};" for place, field in enumerate(fields))
+    yield from (f"    {loop}*packed++ = (double)state->{place};" for _, loop, place in _places(component))
     yield "}\n"
     yield "static inline void model_unpack(ModelState *state, const double *packed)"
     yield "{"
     yield "    (void)state, (void)packed;"
-    for place, (field, kind) in enumerate(fields.items()):
-        yield f"    state->{field} = packed[{place}]{' != 0.0' if kind is bool else ''};"
+    for field, loop, place in _places(component):
+        yield f"    {loop}state->{place} = *packed++{' != 0.0' if field.kind is bool else ''};"
     yield "}\n"
+
+
+def _places(component: Component) -> Iterator[tuple[StateField, str, str]]:
+    """Yield each field of a state, the loop over its numbers where they are many, and where one of them stands."""
+    for field in state_fields(component.state):
+        if field.length is None:
+            yield field, "", field.name
+        else:
+            yield field, f"for (int i = 0; i < {field.length}; ++i) ", f"{field.name}[i]"
 
 
 def _start(variable: Variable) -> str:
     if variable.type is bool:
         return str(bool(variable.start)).lower()
-    return str(int(variable.start or 0)) if variable.items else f"(real){variable.start!r}"
+    return str(int(variable.start or 0)) if issubclass(variable.type, int) else f"(real){variable.start!r}"
 
 
 def defaults_header(component: Component) -> str:
@@ -130,6 +137,7 @@ def model_header(component: Component, token: str) -> str:
     }
     categories = list(LOG_CATEGORIES)
     kernel = component.module.rpartition(".")[2]
+    state_count = sum(field.length or 1 for field in state_fields(component.state))
     types = ("parameters", "coefficients", "state", "inputs", "outputs")
     functions = ("prepare", "warning", "initial", "advance")
     lines = [
@@ -146,7 +154,7 @@ def model_header(component: Component, token: str) -> str:
         f"enum {{ MODEL_WARNINGS = {categories.index('logStatusWarning')}, "
         f"MODEL_ERRORS = {categories.index('logStatusError')}, "
         f"MODEL_ALL_MESSAGES = {categories.index('logAll')} }};\n",
-        f"enum {{ VARIABLE_COUNT = {len(numbered)}, STATE_COUNT = {len(component.state.__annotations__)} }};",
+        f"enum {{ VARIABLE_COUNT = {len(numbered)}, STATE_COUNT = {state_count} }};",
         *(
             f"enum {{ FIRST_{kind} = {members[0][0] if members else 0}, {kind}_COUNT = {len(members)} }};"
             for kind, members in of.items()

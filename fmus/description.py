@@ -45,20 +45,21 @@ def content_guid(*contents: bytes) -> str:
     return "{" + str(uuid.UUID(bytes=digest.digest()[:16])) + "}"
 
 
-_REAL = {"2.0": "Real", "3.0": "Float64"}
-"""What a number is called in each version of FMI."""
+_TYPES = {
+    "2.0": {float: "Real", int: "Integer", bool: "Boolean"},
+    "3.0": {float: "Float64", int: "Int64", bool: "Boolean"},
+}
+"""What a type is called in each version of FMI."""
 
 
 def _fmi_type(variable: Variable, fmi_version: str) -> str:
-    if variable.items:
-        return "Enumeration"
-    return "Boolean" if variable.type is bool else _REAL[fmi_version]
+    return "Enumeration" if variable.items else _TYPES[fmi_version][variable.type]
 
 
 def _literal(value: float | None, variable: Variable) -> str | bool | None:
     if value is None or isinstance(value, bool):
         return value
-    return str(int(value)) if variable.items else repr(float(value))
+    return str(int(value)) if issubclass(variable.type, int) else repr(float(value))
 
 
 def _unit(name: str) -> fmi.Unit:

@@ -17,7 +17,15 @@ from xml.etree import ElementTree
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME, Component, ParameterError
+from fmus.component import (
+    LATEST_TIME,
+    LONGEST_STEP,
+    SAME_TIME,
+    Component,
+    ParameterError,
+    numbers_of,
+    state_of,
+)
 from fmus.variables import Variable
 
 
@@ -129,7 +137,7 @@ class ComponentSlave(Fmi2Slave):
         self._set(vrs, values, (float,))
 
     def set_integer(self, vrs: Sequence[int], values: Sequence[int]) -> None:
-        """Set enumerations by value reference."""
+        """Set integers and enumerations by value reference."""
         self._set(vrs, values, (int,))
 
     def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
@@ -145,7 +153,7 @@ class ComponentSlave(Fmi2Slave):
         return self._get(vrs, (float,), math.nan)
 
     def get_integer(self, vrs: Sequence[int]) -> list[int]:
-        """Get enumerations by value reference; 0 where there is none."""
+        """Get integers and enumerations by value reference; 0 where there is none."""
         return [int(value) for value in self._get(vrs, (int,), 0)]
 
     def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
@@ -245,7 +253,7 @@ class ComponentSlave(Fmi2Slave):
             "phase": self._phase,
             "time": self._time,
             "values": [v if isinstance(v, bool) else float(v) for v in self._values],
-            "state": None if self._state is None else list(self._state),
+            "state": None if self._state is None else numbers_of(self._state),
             "outputs_due": self._outputs_due,
             "faults": dict(self._faults),
             "warned": list(self._warned),
@@ -259,8 +267,8 @@ class ComponentSlave(Fmi2Slave):
             return
         self._phase = state["phase"]
         self._time = state["time"]
-        self._values = list(state["values"])
-        self._state = None if state["state"] is None else self.component.state(*state["state"])
+        self._values = [v.type(x) for v, x in zip(self._variables, state["values"], strict=True)]
+        self._state = None if state["state"] is None else state_of(self.component.state, state["state"])
         self._outputs_due = state["outputs_due"]
         self._faults = dict(state["faults"])
         self._warned = list(state["warned"])

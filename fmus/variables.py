@@ -63,7 +63,7 @@ class Variable:
     field
         Name of the dataclass field that holds it in the model's code.
     type
-        ``float``, ``bool`` or an ``IntEnum`` whose members count from 1.
+        ``float``, ``int``, ``bool`` or an ``IntEnum`` whose members count from 1.
     dependencies
         Names of the knowns this output depends on while initialising. After a step no output depends directly on an
         input: a step function has taken the inputs in already.
@@ -209,7 +209,7 @@ def output(
 
 
 def parameter(
-    start: Quantity | bool | IntEnum,
+    start: Quantity | bool | int | IntEnum,
     description: str,
     *,
     name: str | None = None,

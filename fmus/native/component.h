@@ -16,7 +16,7 @@
 #ifndef COMPONENT_H
 #define COMPONENT_H
 
-typedef enum { TYPE_REAL, TYPE_BOOLEAN, TYPE_ENUMERATION } Type;
+typedef enum { TYPE_REAL, TYPE_BOOLEAN, TYPE_INTEGER } Type;
 
 typedef enum {
     CAUSALITY_INDEPENDENT,
@@ -34,7 +34,7 @@ typedef enum {
     VARIABILITY_CONTINUOUS
 } Variability;
 
-/* A variable as declared; an enumeration counts from 1, which its bounds say. */
+/* A variable as declared; an enumeration is an integer from 1, which its bounds say. */
 typedef struct {
     const char *name;
     const char *unit; /* empty where it has none */

@@ -122,10 +122,10 @@ fmi2Status fmi2Reset(fmi2Component c)
     }
 
 GETTER(fmi2GetReal, TYPE_REAL, fmi2Real, it->values[vr[i]])
-GETTER(fmi2GetInteger, TYPE_ENUMERATION, fmi2Integer, it->values[vr[i]])
+GETTER(fmi2GetInteger, TYPE_INTEGER, fmi2Integer, it->values[vr[i]])
 GETTER(fmi2GetBoolean, TYPE_BOOLEAN, fmi2Boolean, it->values[vr[i]] != 0.0 ? fmi2True : fmi2False)
 SETTER(fmi2SetReal, TYPE_REAL, fmi2Real, value[i])
-SETTER(fmi2SetInteger, TYPE_ENUMERATION, fmi2Integer, value[i])
+SETTER(fmi2SetInteger, TYPE_INTEGER, fmi2Integer, value[i])
 SETTER(fmi2SetBoolean, TYPE_BOOLEAN, fmi2Boolean, value[i] != fmi2False)
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])

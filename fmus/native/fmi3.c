@@ -190,10 +190,10 @@ static Status check_counts(const Instance *it, const char *function, size_t refe
 }
 
 GETTER(fmi3GetFloat64, TYPE_REAL, fmi3Float64, value)
-GETTER(fmi3GetInt64, TYPE_ENUMERATION, fmi3Int64, value)
+GETTER(fmi3GetInt64, TYPE_INTEGER, fmi3Int64, value)
 GETTER(fmi3GetBoolean, TYPE_BOOLEAN, fmi3Boolean, value != 0.0)
 SETTER(fmi3SetFloat64, TYPE_REAL, fmi3Float64)
-SETTER(fmi3SetInt64, TYPE_ENUMERATION, fmi3Int64)
+SETTER(fmi3SetInt64, TYPE_INTEGER, fmi3Int64)
 SETTER(fmi3SetBoolean, TYPE_BOOLEAN, fmi3Boolean)
 
 NO_SUCH_TYPE(Float32, fmi3Float32)

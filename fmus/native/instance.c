@@ -322,7 +322,7 @@ Status instance_reset(Instance *it, const char *function)
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-static const char *const type_names[] = {"number", "Boolean", "enumeration"};
+static const char *const type_names[] = {"number", "Boolean", "integer"};
 
 static Status check_references(const Instance *it, const char *function, Type type, const uint32_t references[],
                                size_t count, const void *values)

@@ -88,7 +88,7 @@ static void null_instances_are_refused(void)
     CHECK(set_logging(NULL, true, 0, NULL) == ERROR);
     CHECK(begin(NULL, 0.0) == ERROR && end(NULL) == ERROR && step(NULL, 0.0, h) == ERROR);
     CHECK(terminate_run(NULL) == ERROR && reset(NULL) == ERROR);
-    for (int type = TYPE_REAL; type <= TYPE_ENUMERATION; ++type) {
+    for (int type = TYPE_REAL; type <= TYPE_INTEGER; ++type) {
         const uint32_t reference = 0;
         CHECK(get(NULL, (Type)type, &reference, 1, &value) == ERROR);
         CHECK(set(NULL, (Type)type, &reference, 1, &value) == ERROR);
@@ -173,7 +173,7 @@ static void every_variable_can_be_read_and_is_guarded(void)
                 CHECK(set_one(fmu, i, NAN) == ERROR && set_one(fmu, i, INFINITY) == ERROR);
                 CHECK(strstr(journal.last, v->name) != NULL || phase == TERMINATED);
             }
-            for (int type = TYPE_REAL; type <= TYPE_ENUMERATION; ++type) {
+            for (int type = TYPE_REAL; type <= TYPE_INTEGER; ++type) {
                 CHECK((get(fmu, (Type)type, &i, 1, &after) == OK) == (v->type == (Type)type));
                 if (v->type != (Type)type) {
                     CHECK(set(fmu, (Type)type, &i, 1, &after) == ERROR);
