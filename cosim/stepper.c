@@ -14,6 +14,8 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
+#define INLINE inline __attribute__((always_inline)) /* a tick is short: calls would take a good part of it */
+
 enum { WORST_ACCEPTED = 1 }; /* a warning: FMI 2.0 and 3.0 number their status alike */
 
 typedef void (*Function)(void); /* of an FMU; called by its own type */
@@ -131,17 +133,16 @@ static void empty_buffer(const Port *port, double table[])
     }
 }
 
-static bool failed(Plan *plan, Cause cause, int64_t component, int64_t which, int status)
+static bool failed(Plan *plan, Cause cause, const Component *it, int64_t which, int status)
 {
-    plan->fault = (Fault){cause, component, which, status, plan->fault.reached};
+    plan->fault = (Fault){cause, it - plan->components, which, status, plan->fault.reached};
     return false;
 }
 
-static bool take_inputs(Plan *plan, int64_t index)
+static INLINE bool take_inputs(Plan *plan, const Component *it)
 {
-    const Component *it = &plan->components[index];
-    for (int64_t p = 0; p < it->input_count; ++p) {
-        const Port *port = &it->inputs[p];
+    const Port *const end = it->inputs + it->input_count;
+    for (const Port *port = it->inputs; port < end; ++port) {
         if (port->type == TYPE_DOUBLE && port->factors == NULL) { /* nearly always */
             double *buffer = port->buffer;
             for (int64_t i = 0; i < port->count; ++i) {
@@ -152,7 +153,7 @@ static bool take_inputs(Plan *plan, int64_t index)
         }
         const int status = call_access(it, port);
         if (status > WORST_ACCEPTED) {
-            return failed(plan, SETTING, index, p, status);
+            return failed(plan, SETTING, it, port - it->inputs, status);
         }
     }
     return true;
@@ -160,17 +161,16 @@ static bool take_inputs(Plan *plan, int64_t index)
 
 typedef enum { CONTINUOUS = 1, DISCRETE = 2, ALL = 3 } Which;
 
-static bool give_outputs(Plan *plan, int64_t index, Which which)
+static INLINE bool give_outputs(Plan *plan, const Component *it, Which which)
 {
-    const Component *it = &plan->components[index];
-    for (int64_t p = 0; p < it->output_count; ++p) {
-        const Port *port = &it->outputs[p];
+    const Port *const end = it->outputs + it->output_count;
+    for (const Port *port = it->outputs; port < end; ++port) {
         if ((which & (port->discrete ? DISCRETE : CONTINUOUS)) == 0) {
             continue;
         }
         const int status = call_access(it, port);
         if (status > WORST_ACCEPTED) {
-            return failed(plan, GETTING, index, p, status);
+            return failed(plan, GETTING, it, port - it->outputs, status);
         }
         if (port->places != NULL) {
             empty_buffer(port, plan->table);
@@ -195,11 +195,12 @@ static bool differs(const Plan *plan)
 /* Pass initial outputs along the connections until they settle, at most as often as the longest chain asks for. */
 EXPORT bool stepper_settle(Plan *plan)
 {
+    const Component *const end = plan->components + plan->component_count;
     bool moving = true;
     for (int64_t round = 0; round < plan->component_count && moving; ++round) {
         memcpy(plan->before, plan->table, (size_t)plan->table_size * sizeof *plan->table);
-        for (int64_t i = 0; i < plan->component_count; ++i) {
-            if (!take_inputs(plan, i) || !give_outputs(plan, i, ALL)) {
+        for (const Component *it = plan->components; it < end; ++it) {
+            if (!take_inputs(plan, it) || !give_outputs(plan, it, ALL)) {
                 return false;
             }
         }
@@ -211,8 +212,9 @@ EXPORT bool stepper_settle(Plan *plan)
 /* Read all outputs. */
 EXPORT bool stepper_read(Plan *plan)
 {
-    for (int64_t i = 0; i < plan->component_count; ++i) {
-        if (!give_outputs(plan, i, ALL)) {
+    const Component *const end = plan->components + plan->component_count;
+    for (const Component *it = plan->components; it < end; ++it) {
+        if (!give_outputs(plan, it, ALL)) {
             return false;
         }
     }
@@ -221,25 +223,28 @@ EXPORT bool stepper_read(Plan *plan)
 
 /* ---- steps ------------------------------------------------------------------------------------------------------- */
 
-static bool advance(Plan *plan, int64_t index, int64_t tick)
+static INLINE bool do_part(Plan *plan, const Component *it, int64_t number, int64_t part)
 {
-    const Component *it = &plan->components[index];
-    const int64_t first = it->every == 1 && it->parts == 1 ? tick : tick / it->every * it->parts;
+    const double time = (double)(number + part) * it->step_size;
+    if (it->standard == 2) {
+        const int status = ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1);
+        return status <= WORST_ACCEPTED || failed(plan, STEPPING, it, part, status);
+    }
+    bool event = false, terminate = false, early = false;
+    const int status = ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early,
+                                             &plan->fault.reached);
+    if (status > WORST_ACCEPTED || terminate || early) {
+        const Cause cause = status > WORST_ACCEPTED ? STEPPING : terminate ? ASKED_TO_END : RETURNED_EARLY;
+        return failed(plan, cause, it, part, status);
+    }
+    return true;
+}
+
+static bool advance(Plan *plan, const Component *it, int64_t tick)
+{
     for (int64_t part = 0; part < it->parts; ++part) {
-        const double time = (double)(first + part) * it->step_size;
-        if (it->standard == 2) {
-            const int status = ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1);
-            if (status > WORST_ACCEPTED) {
-                return failed(plan, STEPPING, index, part, status);
-            }
-        } else {
-            bool event = false, terminate = false, early = false;
-            const int status = ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early,
-                                                     &plan->fault.reached);
-            if (status > WORST_ACCEPTED || terminate || early) {
-                return failed(plan, status > WORST_ACCEPTED ? STEPPING : terminate ? ASKED_TO_END : RETURNED_EARLY,
-                              index, part, status);
-            }
+        if (!do_part(plan, it, tick / it->every * it->parts, part)) {
+            return false;
         }
     }
     return true;
@@ -260,23 +265,23 @@ static bool is_due(const Component *it, int64_t tick)
 }
 
 /* Step a group of components: one in a sequence, all at once otherwise. */
-static bool step_group(Plan *plan, int64_t begin, int64_t end, int64_t tick)
+static INLINE bool step_group(Plan *plan, const Component *begin, const Component *end, int64_t tick)
 {
-    if (end - begin == 1 && plan->components[begin].every == 1) { /* what follows comes to this, but takes its time */
-        return take_inputs(plan, begin) && advance(plan, begin, tick) && give_outputs(plan, begin, ALL);
+    if (end - begin == 1 && begin->every * begin->parts == 1) { /* what follows comes to this, but takes its time */
+        return take_inputs(plan, begin) && do_part(plan, begin, tick, 0) && give_outputs(plan, begin, ALL);
     }
-    for (int64_t i = begin; i < end; ++i) {
-        if (is_due(&plan->components[i], tick) && !take_inputs(plan, i)) {
+    for (const Component *it = begin; it < end; ++it) {
+        if (is_due(it, tick) && !take_inputs(plan, it)) {
             return false;
         }
     }
-    for (int64_t i = begin; i < end; ++i) {
-        if (is_due(&plan->components[i], tick) && !advance(plan, i, tick)) {
+    for (const Component *it = begin; it < end; ++it) {
+        if (is_due(it, tick) && !advance(plan, it, tick)) {
             return false;
         }
     }
-    for (int64_t i = begin; i < end; ++i) {
-        if (!give_outputs(plan, i, given(&plan->components[i], tick))) {
+    for (const Component *it = begin; it < end; ++it) {
+        if (!give_outputs(plan, it, given(it, tick))) {
             return false;
         }
     }
@@ -308,17 +313,18 @@ EXPORT bool stepper_run(Plan *plan, int64_t first, int64_t last)
 {
     int64_t until_row = (plan->record_every - first % plan->record_every) % plan->record_every;
     double *row = plan->rows + ((first + until_row - plan->first_recorded) / plan->record_every) * plan->width;
+    const Component *const end = plan->components + plan->component_count;
     for (int64_t tick = first; tick < last; ++tick) {
         const bool recorded = until_row == 0;
         if (!all_finite(plan)) {
-            return failed(plan, NOT_FINITE, 0, 0, 0);
+            return failed(plan, NOT_FINITE, plan->components, 0, 0);
         }
         if (recorded) {
             row[0] = (double)tick * plan->step_size;
             record(plan, row, plan->continuous, plan->continuous_count);
         }
-        for (int64_t i = 0; i < plan->component_count; i += plan->group) {
-            if (!step_group(plan, i, i + plan->group, tick)) {
+        for (const Component *it = plan->components; it < end; it += plan->group) {
+            if (!step_group(plan, it, it + plan->group, tick)) {
                 return false;
             }
         }
