@@ -18,6 +18,7 @@ from rig import Rig
 from cosim.instance import Instance, extract, instantiate
 from cosim.model import Model
 from cosim.scenarios import SCENARIOS, control, seat_suspension
+from cosim.units import IDENTITY
 from plant_models.floor import SHORTEST_INTERVAL, Floor, History, derived
 from plant_models.seat import advance, initial, prepare
 from plant_models.seat_interface import FloorSignals, Inputs, Parameters
@@ -231,7 +232,7 @@ def seat(request: pytest.FixtureRequest, fmus: Path, native: Path, tmp_path: Pat
 
 def drive(seat: Instance, first: int, last: int) -> list[float]:
     """Step along the bump by its displacements; returns the driver's accelerations."""
-    inputs, outputs = {"floor_displacement": 0}, {"driver_acceleration": 1}
+    inputs, outputs = {"floor_displacement": (0, IDENTITY)}, {"driver_acceleration": 1}
     table = np.zeros(2)
     seat.wire(table, outputs, inputs)
     found = []
@@ -258,7 +259,7 @@ def test_an_input_that_is_not_alive_must_still_be_a_number(seat: Instance):
     seat.start(1.0, {"floor_signals": 2})
     seat.finish_initialisation()
     table = np.array([math.nan, 0.0])
-    seat.wire(table, {"driver_acceleration": 1}, {"floor_velocity": 0})
+    seat.wire(table, {"driver_acceleration": 1}, {"floor_velocity": (0, IDENTITY)})
     with pytest.raises(FMICallException):
         seat.step(0.0, H)
     assert "floor_velocity: expected a finite number, got nan" in seat.journal[-1][1]
