@@ -64,7 +64,7 @@ def test_problem_names_variable_range_and_value():
     assert mass.problem(float("-inf")) == "driver_mass: expected a finite number, got -inf"
     profile = next(v for v in ALL if v.name == "profile")
     assert profile.problem(2) is None
-    assert profile.problem(0) == "profile: expected one of 1 (bump), 2 (sine), got 0"
+    assert profile.problem(0) == "profile: expected one of 1 (bump), 2 (sine), 3 (sweep), 4 (random), got 0"
 
 
 def test_contradicting_declarations_are_refused():
