@@ -37,6 +37,9 @@ SWEEP_FADE = Quantity(2.0, "s", "T_f", "assumed: a period of the lowest frequenc
 
 RANDOM_SCALE = Quantity(1.0, "1", "s", "ISO 7096")
 
+FILE_HIGH_PASS = Quantity(0.1, "Hz", "f_c", "assumed: a tenth of the lowest frequency that shakes a driver")
+FILE_FADE = Quantity(0.5, "s", "T_f", "assumed")
+
 _EXACT = "an ideal rig"
 
 PLATFORM_BANDWIDTH = Quantity(0.0, "Hz", "f_p", _EXACT)

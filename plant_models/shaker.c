@@ -5,6 +5,7 @@
 #include "platform.h"
 #include "profiles.h"
 #include "random_numbers.h"
+#include "replay.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -21,14 +22,24 @@ const char *shaker_prepare(const shaker_parameters *parameters, shaker_coefficie
     if (p->profile == SHAKER_SWEEP && 2.0 * p->sweep_fade > p->sweep_duration) {
         return "expected sweep.fade up to half the sweep.duration";
     }
+    c->curve.memory = NULL;
     c->parameters = *p;
+    c->parameters.file_path = NULL; /* the caller's */
     c->stream = random_stream((uint32_t)p->random_seed, 0);
     if (p->profile == SHAKER_RANDOM) {
         noise_prepare(p->random_class, p->random_scale, tick_length, &c->noise);
     }
     const char *problem = platform_prepare(p, tick_length, &c->platform);
     c->ticking = p->profile == SHAKER_RANDOM || c->platform.present;
+    if (problem == NULL && p->profile == SHAKER_FILE) {
+        problem = replay_load(p->file_path, p->file_high_pass, p->file_fade, &c->curve);
+    }
     return problem;
+}
+
+void shaker_release(shaker_coefficients *coefficients)
+{
+    replay_free(&coefficients->curve);
 }
 
 const char *shaker_warning(const shaker_parameters *parameters)
@@ -38,13 +49,16 @@ const char *shaker_warning(const shaker_parameters *parameters)
 }
 
 /* A profile that is a function of time. */
-static shaker_outputs profile(double time, const shaker_parameters *p)
+static shaker_outputs profile(double time, const coefficients_t *c)
 {
+    const shaker_parameters *p = &c->parameters;
     switch (p->profile) {
     case SHAKER_SINE:
         return profile_sine(time, p->sine_frequency, p->sine_amplitude);
     case SHAKER_SWEEP:
         return profile_sweep(time, p);
+    case SHAKER_FILE:
+        return replay_motion(&c->curve, time);
     default:
         return profile_bump(time, p->bump_height, p->bump_length, p->bump_speed);
     }
@@ -56,7 +70,7 @@ static void accelerate(shaker_state *state, const coefficients_t *c)
     if (c->platform.present) {
         const shaker_outputs command = c->parameters.profile == SHAKER_RANDOM
                                            ? noise_motion(state->modes, &c->noise, c->stream, state->tick, 0.0)
-                                           : profile(state->tick * tick_length, &c->parameters);
+                                           : profile(state->tick * tick_length, c);
         state->platform_acceleration =
             platform_acceleration(state->platform_displacement, state->platform_velocity, &command, &c->platform);
     }
@@ -91,7 +105,7 @@ static shaker_outputs floor_at(double time, const shaker_state *state, const coe
 {
     static const shaker_outputs rest = {0.0, 0.0, 0.0};
     if (!c->ticking) {
-        return profile(time, &c->parameters);
+        return profile(time, c);
     }
     double since = time - state->tick * tick_length;
     if (since < -SHAKER_SAME_INSTANT) {

@@ -1,7 +1,8 @@
-/* The shaker in C99: the twin of shaker.py. No allocation, no globals, no recursion, no input or output. */
+/* The shaker in C99: the twin of shaker.py. No globals, no recursion; memory and files in preparing a recording only. */
 #ifndef SHAKER_H
 #define SHAKER_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 /* Times closer than this, in s, are one instant: communication points carry rounding errors. */
@@ -18,7 +19,7 @@ typedef struct {
 } shaker_outputs;
 
 /* What the floor does, and which amplitude a sweep keeps. */
-enum { SHAKER_BUMP = 1, SHAKER_SINE, SHAKER_SWEEP, SHAKER_RANDOM };
+enum { SHAKER_BUMP = 1, SHAKER_SINE, SHAKER_SWEEP, SHAKER_RANDOM, SHAKER_FILE };
 enum { SHAKER_SWEEP_ACCELERATION = 1, SHAKER_SWEEP_DISPLACEMENT };
 
 typedef struct {
@@ -33,6 +34,8 @@ typedef struct {
     int random_class;                                     /* 1 for EM1 */
     double random_scale;
     int random_seed;
+    const char *file_path;                                /* of a recording, see recording.py */
+    double file_high_pass, file_fade;                     /* in Hz, 0: none; in s */
     double platform_bandwidth, platform_damping;          /* in Hz, 0: it follows exactly; damping ratio */
     double platform_stroke;                               /* in m, 0: no limit, as below */
     double platform_velocity_limit;                       /* in m/s */
@@ -57,6 +60,16 @@ typedef struct {
     int count;
     noise_mode modes[NOISE_MODES];
 } noise_coefficients;
+
+/* ---- replay.c ---------------------------------------------------------------------------------------------------- */
+
+/* A recorded motion at its knots: s, m, m/s, m/s2. */
+typedef struct {
+    size_t count;
+    double *times, *displacements, *velocities, *accelerations;
+    double *memory;                                       /* of all of them, NULL for none */
+    char message[1024];                                   /* what is wrong with the file */
+} replay_curve;
 
 /* ---- platform.c -------------------------------------------------------------------------------------------------- */
 
@@ -83,11 +96,16 @@ typedef struct {
     int ticking;                                          /* whether there is noise or a platform */
     uint64_t stream;                                      /* of random numbers */
     noise_coefficients noise;
+    replay_curve curve;
     platform_coefficients platform;
 } shaker_coefficients;
 
-/* Derive the coefficients. Returns NULL, or what is wrong with the parameters in terms of their names. */
+/* Derive the coefficients; a recording's memory is theirs until they are released. Returns NULL, or what is wrong with the
+ * parameters in terms of their names or with the recording; then there is nothing to release. */
 const char *shaker_prepare(const shaker_parameters *parameters, shaker_coefficients *coefficients);
+
+/* Free the memory of coefficients, prepared or all zero. */
+void shaker_release(shaker_coefficients *coefficients);
 
 /* Nothing to think about: NULL. */
 const char *shaker_warning(const shaker_parameters *parameters);

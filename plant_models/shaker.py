@@ -1,8 +1,9 @@
 """The shaker: the cabin floor's displacement, velocity and acceleration, consistent with one another.
 
-The profile is a function of time (bump, sine, sweep; see profiles.py) or seeded noise (noise.py); a platform may follow
-it with a lag and limits (platform.py). Noise and platform go in ticks of 2 ms from time 0, whatever the communication
-steps: their state is that at the last tick, and what lies between two ticks is evaluated in closed form.
+The profile is a function of time (bump, sine, sweep in profiles.py, a recording in replay.py) or seeded noise
+(noise.py); a platform may follow it with a lag and limits (platform.py). Noise and platform go in ticks of 2 ms from
+time 0, whatever the communication steps: their state is that at the last tick, and what lies between two ticks is
+evaluated in closed form.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ import math
 from typing import Annotated, NamedTuple
 
 from fmus.component import Component, ParameterError
-from plant_models import noise, platform
+from plant_models import noise, platform, replay
+from plant_models.example_recording import EXAMPLE, example
 from plant_models.profiles import SAME_INSTANT, bump, sine, sweep
 from plant_models.random_numbers import random_stream
 from plant_models.shaker_interface import TERMINALS, Inputs, Outputs, Parameters, Profile
@@ -43,11 +45,12 @@ class State(NamedTuple):
 
 
 class Coefficients(NamedTuple):
-    """What is prepared for the steps; ``modes`` and ``platform`` are None where they are not needed."""
+    """What is prepared for the steps; ``modes``, ``curve`` and ``platform`` are None where they are not needed."""
 
     parameters: Parameters
     modes: tuple[noise.Mode, ...] | None
     stream: int
+    curve: replay.Curve | None
     platform: platform.Platform | None
 
 
@@ -57,23 +60,29 @@ def prepare(parameters: Parameters) -> Coefficients:
     Raises
     ------
     ParameterError
-        If the sweep's fades do not fit in, or a platform that follows exactly has limits.
+        If the sweep's fades do not fit in, a platform that follows exactly has limits, or there is something wrong with
+        the recording.
     """
     p = parameters
     if p.profile == Profile.sweep and 2.0 * p.sweep_fade > p.sweep_duration:
         raise ParameterError(
             f"expected sweep.fade up to half the sweep.duration, got {p.sweep_fade} s of {p.sweep_duration} s"
         )
+    follower = platform.platform(p, TICK)
     return Coefficients(
         parameters=p,
         modes=noise.modes(p.random_class, p.random_scale, TICK) if p.profile == Profile.random else None,
         stream=random_stream(p.random_seed),
-        platform=platform.platform(p, TICK),
+        curve=replay.load(p.file_path, p.file_high_pass, p.file_fade) if p.profile == Profile.file else None,
+        platform=follower,
     )
 
 
-def _profile(time: float, p: Parameters) -> Outputs:
+def _profile(time: float, c: Coefficients) -> Outputs:
     """Evaluate a profile that is a function of time, in s."""
+    p = c.parameters
+    if c.curve is not None:
+        return replay.motion(c.curve, time)
     if p.profile == Profile.sine:
         return sine(time, p.sine_frequency, p.sine_amplitude)
     if p.profile == Profile.sweep:
@@ -86,7 +95,7 @@ def _accelerated(state: State, c: Coefficients) -> State:
     if c.platform is None:
         return state
     command = (
-        _profile(state.tick * TICK, c.parameters)
+        _profile(state.tick * TICK, c)
         if c.modes is None
         else noise.motion(state.modes, c.modes, c.stream, state.tick, 0.0)
     )
@@ -115,7 +124,7 @@ def _next(state: State, c: Coefficients) -> State:
 def _floor(state: State, c: Coefficients, time: float) -> Outputs:
     """Evaluate the floor at a time in s, not before the state's tick unless that is the first."""
     if c.modes is None and c.platform is None:
-        return _profile(time, c.parameters)
+        return _profile(time, c)
     since = time - state.tick * TICK
     if since < -SAME_INSTANT:
         return Outputs()
@@ -146,7 +155,7 @@ def advance(
 
 SHAKER = Component(
     name="Shaker",
-    description="Vertical motion of the cabin floor: bump (34), sine, sweep or ISO 7096 random, ideal or by a platform",
+    description="Vertical motion of the cabin floor: bump (34), sine, sweep, ISO 7096 random or a file",
     module=__name__,
     inputs=Inputs,
     outputs=Outputs,
@@ -156,4 +165,5 @@ SHAKER = Component(
     initial=initial,
     advance=advance,
     terminals=TERMINALS,
+    resources=lambda: {EXAMPLE: example()},
 )

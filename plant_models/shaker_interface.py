@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from fmus.variables import POSITIVE, Terminal, output, parameter
+from fmus.variables import POSITIVE, Terminal, file_name, output, parameter
 from plant_models import parameters as p
+from plant_models.example_recording import EXAMPLE
 from plant_models.random_numbers import MOST_SEED
 
 
@@ -17,6 +18,7 @@ class Profile(IntEnum):
     sine = 2
     sweep = 3
     random = 4
+    file = 5
 
 
 class SweepMode(IntEnum):
@@ -59,6 +61,9 @@ _AT_THE_START = (
     "sweep.acceleration",
     "sweep.displacement",
     "sweep.fade",
+    "file.path",
+    "file.high_pass",
+    "file.fade",
     "platform.bandwidth",
     "platform.damping",
     "platform.stroke",
@@ -134,6 +139,21 @@ class Parameters:
         name="random.seed",
         minimum=0,
         maximum=MOST_SEED,
+    )
+    file_path: str = file_name(
+        EXAMPLE,
+        "CSV file of the recorded motion: columns time in s and acceleration in m/s2 or displacement in m",
+        name="file.path",
+    )
+    file_high_pass: float = parameter(
+        p.FILE_HIGH_PASS,
+        "Corner frequency below which a recorded acceleration is taken for drift, 0: none",
+        name="file.high_pass",
+        minimum=0.0,
+        maximum=5.0,
+    )
+    file_fade: float = parameter(
+        p.FILE_FADE, "Length of the fade-in and fade-out of a recorded acceleration", name="file.fade", minimum=0.01
     )
     platform_bandwidth: float = parameter(
         p.PLATFORM_BANDWIDTH,

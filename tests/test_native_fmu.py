@@ -70,7 +70,7 @@ def test_description_says_what_is_declared(native: Path, flavour: str, component
     assert len(description.modelVariables) == len(component.variables)
     kernels = [path.name for path in kernel_files(component.module) if path.suffix == ".c"]
     compiled = description.buildConfigurations[0].sourceFileSets[0].sourceFiles
-    assert sorted(compiled) == sorted([*kernels, f"{flavour}.c", "instance.c"])
+    assert sorted(compiled) == sorted([*kernels, f"{flavour}.c", "instance.c", "paths.c"])
     for reference, (found, declared) in enumerate(zip(description.modelVariables, component.variables, strict=True)):
         assert (found.name, found.valueReference) == (declared.name, reference)
         assert (found.causality, found.variability, found.unit, found.description) == (
