@@ -184,11 +184,14 @@ def run(
     """Run one scenario of the seat suspension; writes result.csv, a figure and run.json, which `rerun` takes.
 
     \b
-    Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s).
+    Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s), sweep (0.5 to 20 Hz at 1 m/s2, 60 s),
+    random (ISO 7096 EM1, 60 s), file (a recorded CSV, an example by default, 10 s).
     Examples:
       seat-cosim run bump --driver-mass 70 --observer 2
       seat-cosim run bump --driver-mass 110 --gains recommended
       seat-cosim run sine --set shaker.sine.frequency=2 --control off --output results/sine2
+      seat-cosim run random --set shaker.random.class=EM5 --set shaker.random.seed=7
+      seat-cosim run file --set shaker.file.path=/data/cab_floor.csv --stop-time 120
     """
     chosen = SCENARIOS[scenario]
     stop_time = chosen.stop_time if stop_time is None else stop_time

@@ -79,6 +79,9 @@ def build_python_fmu(component: Component, folder: Path) -> Built:
         command = [sys.executable, "-m", "pythonfmu", "build", "--file", str(main), "--dest", str(stage / "built")]
         command += ["--handle-state", "--serialize-state"]  # the builder overwrites the description's capabilities
         command += [str(stage / "model"), str(stage / "component.json")]
+        for name, content in component.resources().items():
+            (stage / name).write_bytes(content)
+            command.append(str(stage / name))
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         built = stage / "built" / f"{component.name}.fmu"
         if run.returncode or not built.exists():

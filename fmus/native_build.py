@@ -136,7 +136,7 @@ def source_files(component: Component, standard: Standard, token: str) -> dict[s
     dict
         Name to content.
     """
-    glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "component.h")]
+    glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "paths.c", "paths.h", "component.h")]
     headers = [_FMI_HEADERS / name for name in standard.headers]
     files = {path.name: path.read_bytes() for path in (*kernel_files(component.module), *glue, *headers)}
     generated = {"model.h": model_header(component, token), "defaults.h": defaults_header(component)}
@@ -166,6 +166,7 @@ def fmu_files(component: Component, standard: Standard, token: str) -> dict[str,
     files["modelDescription.xml"] = to_xml(description)
     files["documentation/index.html"] = documentation.page(component).encode()
     files[standard.license_file] = _license()
+    files |= {f"resources/{name}": content for name, content in component.resources().items()}
     if standard.version == "3.0":
         files["sources/buildDescription.xml"] = build_description_xml(description, " ".join(OPTIONS[1:3]))
         files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_xml(component, standard.version)
