@@ -18,7 +18,7 @@ test-all: $(VENV)/installed-test
 	$(BIN)/seat-cosim build
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest
 
-# A wheel that carries the native FMUs for all platforms: `seat-cosim fmus --export DIR` takes them out again.
+# A wheel that carries the native FMUs and the master's loop in C for all platforms: `seat-cosim fmus --export DIR` takes them out again.
 wheel: $(VENV)/installed
 	$(BIN)/seat-cosim build --flavour fmi2 --flavour fmi3 --platforms all --output fmus/built
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
@@ -36,4 +36,4 @@ $(VENV)/installed-test: $(VENV)/installed
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built build dist *.egg-info
+	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built fmus/*.ssp cosim/built build dist *.egg-info

@@ -5,7 +5,7 @@ With :mod:`cosim.scenarios` the only module of this package that knows signal na
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 from cosim.figures import Curve, Panel, draw
 from cosim.model import Value
 from cosim.results import Result
+from cosim.run_folder import run_to_folder
 from cosim.scenarios import SCENARIOS, control, driver_mass, observer
 from cosim.system import System
 
@@ -53,9 +54,14 @@ def cases(gammas: Mapping[int, float]) -> dict[str, Case]:
 
 
 def run(
-    system: System, cases: Mapping[str, Case], mass: float, report: Callable[[str, float], None]
+    system: System,
+    cases: Mapping[str, Case],
+    mass: float,
+    folder: Path,
+    report: Callable[[str, float], None],
+    command: Sequence[str] = (),
 ) -> Iterator[tuple[str, Result]]:
-    """Run all cases with the FMUs loaded once.
+    """Run all cases with the FMUs loaded once, each into a folder of its own.
 
     Parameters
     ----------
@@ -65,8 +71,12 @@ def run(
         From :func:`cases`.
     mass
         The driver's, in kg.
+    folder
+        Where the folders of the cases lie.
     report
         Called with a case's name and the share of its run that is done.
+    command
+        What the user typed.
 
     Yields
     ------
@@ -77,14 +87,16 @@ def run(
     with system.open() as session:
         for name, case in cases.items():
             parameters = {**bump.parameters, **case.parameters, **driver_mass(mass)}
-            yield (
-                name,
-                session.run(
-                    bump.stop_time,
-                    parameters=parameters,
-                    progress=lambda time, name=name: report(name, time / bump.stop_time),  # type: ignore[misc]
-                ),
+            result = run_to_folder(
+                system,
+                folder / name,
+                stop_time=bump.stop_time,
+                parameters=parameters,
+                progress=lambda time, name=name: report(name, time / bump.stop_time),  # type: ignore[misc]
+                command=command,
+                session=session,
             )
+            yield name, result
 
 
 def disturbance(result: Result, mass: float) -> np.ndarray[Any, Any]:

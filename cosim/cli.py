@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 import traceback
+from collections.abc import Iterable, Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +14,15 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.cli_design import design
-from cosim.console import console, progress_shown, stderr
+from cosim.cli_options import run_options, set_option, settings_of
+from cosim.cli_rerun import rerun
+from cosim.cli_simulate import simulate
+from cosim.console import command_line, conclude, console, progress_shown
 from cosim.errors import CosimError, RunError, SetupError, writing_to
 from cosim.model import Value
 from cosim.results import Result, clear
-from cosim.scenarios import SCENARIOS, control, driver_mass, observer, seat_suspension
+from cosim.run_folder import run_to_folder
+from cosim.scenarios import SCENARIOS, SYSTEM_FILES, control, driver_mass, observer, seat_suspension
 from cosim.system import System
 from fmus import FLAVOURS
 
@@ -36,13 +42,6 @@ _mass_option = click.option(
 )
 
 
-def _folder(folder: Path) -> Path:
-    """Make a folder for results, or say why not."""
-    with writing_to(folder):
-        clear(folder)
-    return folder
-
-
 def _observer(number: int) -> dict[str, Value]:
     from seat_controller_fmu.parameters import OBSERVERS
 
@@ -56,16 +55,6 @@ def _gains(name_or_file: str) -> dict[str, Value]:
         return {f"controller.{name}": value for name, value in load(name_or_file).parameters().items()}
     except GainsError as error:
         raise SetupError(str(error)) from error
-
-
-def _finish(result: Result, folder: Path, stop_time: float) -> None:
-    """Save a result; an incomplete one says how far it came and ends the command."""
-    path = result.save(folder)
-    for text in result.warnings:
-        stderr.print(f"warning: {text}", markup=False, soft_wrap=True)
-    if result.error is not None:
-        reached = f"{len(result.time)} rows up to t = {result.time[-1]:g} s" if len(result.time) else "no rows"
-        raise RunError(f"{result.error} ({reached} of {stop_time:g} s in {path})") from result.error
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -89,7 +78,7 @@ def app(debug: bool) -> None:
 )
 @click.option("--output", type=click.Path(path_type=Path), default=Path("fmus"), show_default=True, help="Where to.")
 def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
-    """Build the FMUs; those whose content has not changed are left alone.
+    """Build the FMUs, the systems of them (.ssp) and the master's loop in C; what has not changed is left alone.
 
     \b
     Flavours: fmi2 and fmi3 are native, for FMI 2.0 and 3.0; python is FMI 2.0 and needs Python in the host.
@@ -98,25 +87,52 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
       seat-cosim build
       seat-cosim build --flavour fmi3 --platforms all
     """
-    from fmus.build import PLATFORMS, BuildError
+    from cosim import stepper
+    from fmus.build import PLATFORMS, BuildError, build_library
     from fmus.build import build as build_all
 
-    table = Table("FMU", "size", "state", box=None)
+    table = Table("file", "size", "state", box=None)
     chosen = tuple(PLATFORMS) if platforms == "all" else tuple(filter(None, platforms.split(",")))
     if unknown := [name for name in chosen if name not in PLATFORMS]:
         raise SetupError(f"--platforms {platforms}: expected all or names of {', '.join(PLATFORMS)}, got {unknown[0]}")
     try:
         with progress_shown("building FMUs") as report:
-            for built in build_all(output, flavour or FLAVOURS, chosen):
+            files = [build_all(output, flavour or FLAVOURS, chosen)]
+            if set(flavour) != {"python"}:  # which is all that can be built without a compiler
+                files.append(
+                    build_library(stepper.NAME, stepper.sources(), stepper.fingerprint(), stepper.BUILT, chosen)
+                )
+            for built in chain(*files):
                 report(built.path.name)
-                state = "built" if built.fresh else "up to date"
-                table.add_row(str(built.path), f"{built.path.stat().st_size / 1024:.0f} kB", state)
+                table.add_row(*_built(built.path, built.fresh))
+            for name, system in _systems(output, flavour or FLAVOURS, chosen):
+                report(name)
+                table.add_row(*_built(output / name, system.save(output / name)))
     except (BuildError, OSError) as error:
         raise RunError(str(error)) from error
     console.print(table)
 
 
+def _built(path: Path, fresh: bool) -> tuple[str, str, str]:
+    """Describe a built file: name, size, state."""
+    return str(path), f"{path.stat().st_size / 1024:.0f} kB", "built" if fresh else "up to date"
+
+
+def _systems(folder: Path, flavours: Iterable[str], platforms: Iterable[str]) -> Iterator[tuple[str, System]]:
+    """Wire the native FMUs that were just built, with the bump to run; FMUs for other machines cannot be wired here."""
+    from fmus.build import host_platform
+
+    host = host_platform()
+    for flavour, name in SYSTEM_FILES.items():
+        if flavour in flavours and host in (tuple(platforms) or (host,)):
+            system = seat_suspension(folder / flavour)
+            system.stop_time = SCENARIOS["bump"].stop_time
+            yield name, system
+
+
 app.add_command(design)
+app.add_command(rerun)
+app.add_command(simulate)
 
 
 @app.command()
@@ -144,11 +160,12 @@ def fmus(folder: Path) -> None:
 @click.option("--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json.")
 @click.option("--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1].")
 @click.option("--control", "switch", type=click.Choice(["on", "off"]), help="Controller on or off [default: on].")
-@click.option("--set", "settings", multiple=True, metavar="COMPONENT.VARIABLE=VALUE", help="Any parameter; wins.")
+@set_option
 @click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
 @_flavour_option
 @_fmus_option
+@run_options
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
 def run(
     scenario: str,
@@ -162,15 +179,19 @@ def run(
     flavour: str,
     fmus_folder: Path,
     output: Path | None,
+    **how: Any,
 ) -> None:
-    """Run one scenario of the seat suspension; writes result.csv and a figure.
+    """Run one scenario of the seat suspension; writes result.csv, a figure and run.json, which `rerun` takes.
 
     \b
-    Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s).
+    Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s), sweep (0.5 to 20 Hz at 1 m/s2, 60 s),
+    random (ISO 7096 EM1, 60 s), file (a recorded CSV, an example by default, 10 s).
     Examples:
       seat-cosim run bump --driver-mass 70 --observer 2
       seat-cosim run bump --driver-mass 110 --gains recommended
       seat-cosim run sine --set shaker.sine.frequency=2 --control off --output results/sine2
+      seat-cosim run random --set shaker.random.class=EM5 --set shaker.random.seed=7
+      seat-cosim run file --set shaker.file.path=/data/cab_floor.csv --stop-time 120
     """
     chosen = SCENARIOS[scenario]
     stop_time = chosen.stop_time if stop_time is None else stop_time
@@ -180,30 +201,26 @@ def run(
     parameters |= _observer(int(number)) if number else {}
     parameters |= control(switch == "on") if switch else {}
     parameters |= _driver(driver_mass)
-    parameters |= _settings(settings)
-    system.validate(stop_time, step_size, parameters)
-    folder = _folder(output or Path("results", "run", scenario))
+    parameters |= settings_of(settings)
+    folder = output or Path("results", "run", scenario)
     with progress_shown(f"running {scenario}") as report:
-        result = system.simulate(
-            stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s")
+        result = run_to_folder(
+            system,
+            folder,
+            stop_time=stop_time,
+            step_size=step_size,
+            parameters=parameters,
+            progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"),
+            command=command_line(),
+            **how,
         )
-    _finish(result, folder, stop_time)
+    conclude(result)
     _overview(system, result, folder, scenario)
     console.print(f"{len(result.time)} rows and figure in {folder}")
 
 
 def _driver(mass: float | None) -> dict[str, Value]:
     return {} if mass is None else driver_mass(mass)
-
-
-def _settings(settings: tuple[str, ...]) -> dict[str, Value]:
-    found: dict[str, Value] = {}
-    for setting in settings:
-        name, equals, value = setting.partition("=")
-        if not equals:
-            raise SetupError(f"--set {setting}: expected COMPONENT.VARIABLE=VALUE")
-        found[name.strip()] = value.strip()
-    return found
 
 
 def _overview(system: System, result: Result, folder: Path, scenario: str) -> None:
@@ -238,11 +255,15 @@ def reproduce(what: str, driver_mass: float | None, flavour: str, fmus_folder: P
     mass = system.start("seat.driver_mass") if driver_mass is None else driver_mass
     cases = bump.cases({number: gamma.value for number, gamma in OBSERVERS.items()})
     system.validate(SCENARIOS[what].stop_time, parameters=_driver(mass))
-    folders = {name: _folder(output / what / name) for name in cases}
+    for name in cases:
+        with writing_to(output):
+            clear(output / what / name)
     results: dict[str, Result] = {}
     with progress_shown("bump") as report:
-        for name, result in bump.run(system, cases, mass, lambda name, share: report(f"{name} {share:.0%}")):
-            _finish(result, folders[name], SCENARIOS[what].stop_time)
+        for name, result in bump.run(
+            system, cases, mass, output / what, lambda name, share: report(f"{name} {share:.0%}"), command_line()
+        ):
+            conclude(result)
             results[name] = result
         report("figures")
         figures = bump.draw_figures(output / what, results, cases, mass)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass
 
 from cosim.errors import SetupError
@@ -52,3 +53,35 @@ class Clock:
     def stop_time(self) -> float:
         """End of the run in s."""
         return self.time(self.steps)
+
+
+class Pacer:
+    """Holds a run to real time: no step begins before its time has come.
+
+    Parameters
+    ----------
+    clock
+        Of the run, which begins now.
+
+    Attributes
+    ----------
+    missed
+        How many steps were not finished when the next was due.
+    worst
+        By how much at worst, in s.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._start = time.monotonic()
+        self.missed = 0
+        self.worst = 0.0
+
+    def wait(self, tick: int) -> None:
+        """Wait until t_k has come; the step that ends there is finished."""
+        early = self._start + self._clock.time(tick) - time.monotonic()
+        if early >= 0.0:
+            time.sleep(early)
+        elif tick > 0:
+            self.missed += 1
+            self.worst = max(self.worst, -early)

@@ -1,4 +1,4 @@
-"""The two ways a co-simulation goes wrong, each with one line that says what, where, expected, got."""
+"""What goes wrong before, in and after a co-simulation, each with one line that says what, where, expected, got."""
 
 from __future__ import annotations
 
@@ -27,6 +27,10 @@ class SetupError(CosimError):
 
 class RunError(CosimError):
     """An FMU failed after it was instantiated; names component, call and time."""
+
+
+class SignalError(CosimError, ValueError):
+    """A metric was asked of samples it cannot be computed from: too few, not finite, of different lengths."""
 
 
 @contextmanager

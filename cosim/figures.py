@@ -49,6 +49,33 @@ class Panel:
     marks: Mapping[str, float]
 
 
+def by_unit(
+    time: np.ndarray[Any, Any],
+    values: Mapping[str, np.ndarray[Any, Any]],
+    units: Mapping[str, str | None],
+    *,
+    most: int = 6,
+) -> list[Panel]:
+    """Put signals of one unit into one panel.
+
+    Parameters
+    ----------
+    time
+        In s.
+    values, units
+        By signal.
+    most
+        Number of panels, and of curves in each, at most; what comes later is left out.
+    """
+    panels: dict[str, list[Curve]] = {}
+    for name, signal in values.items():
+        panels.setdefault(units[name] or "no unit", []).append(Curve(name, signal, {}))
+    return [
+        Panel(f"{curves[0].name}\n({unit})" if len(curves) == 1 else f"({unit})", time, curves[:most], {})
+        for unit, curves in list(panels.items())[:most]
+    ]
+
+
 def draw(path: Path, title: str, panels: Sequence[Panel], x_label: str = "Time (s)", *, log: bool = False) -> None:
     """Draw panels over one axis into a PNG.
 

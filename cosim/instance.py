@@ -8,8 +8,8 @@ from __future__ import annotations
 import ctypes
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import chdir, contextmanager, suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, chdir, suppress
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -24,7 +24,7 @@ from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelVariable
 
 from cosim.errors import RunError, SetupError
-from cosim.model import KINDS, Model
+from cosim.model import Model
 from cosim.units import IDENTITY, Linear
 
 _WARNING, _FATAL = 1, 4
@@ -32,36 +32,84 @@ _STATUS = dict(enumerate(("ok", "warning", "discard", "error", "fatal", "pending
 
 
 @dataclass(frozen=True)
+class Access:
+    """One call of an FMU's getter or setter: some variables of one type, moved between the FMU and a buffer.
+
+    Attributes
+    ----------
+    name
+        Of the function.
+    function
+        As fmpy loaded it.
+    arguments
+        What it is called with: instance, value references, pointer to ``buffer``, sizes.
+    references
+        Value references.
+    buffer
+        What the FMU reads or writes.
+    """
+
+    name: str
+    function: Any
+    arguments: tuple[Any, ...]
+    references: Any
+    buffer: np.ndarray[Any, Any]
+
+    def call(self) -> None:
+        """Move the values between the FMU and the buffer."""
+        status = self.function(*self.arguments)
+        if status > _WARNING:
+            raise FMICallException(function=self.name, status=status)
+
+
+@dataclass(frozen=True)
 class Port:
-    """Some variables of one FMU type, moved between the FMU and a part of a table of values by one call.
+    """Some variables of one type, moved between the FMU and a part of a table of values.
 
     Attributes
     ----------
     access
-        fmpy's getter or setter.
-    arguments
-        What it is called with: instance, value references, pointers to ``buffer``, sizes.
-    buffer
-        What the FMU reads or writes.
-    table
-        The values of all components' outputs.
+        How.
     places
-        Where in ``table`` each value belongs.
+        Where in the table each value belongs.
     factors, offsets
         What transforms values on their way from the table; both None where they stay as they are.
+    discrete
+        Whether the variables are discrete outputs.
+    direct
+        Whether the FMU writes into the table itself, of which ``buffer`` is a part.
     """
 
-    access: Callable[..., int]
-    arguments: tuple[Any, ...]
-    buffer: np.ndarray[Any, Any]
-    table: np.ndarray[Any, Any]
+    access: Access
     places: np.ndarray[Any, Any]
     factors: np.ndarray[Any, Any] | None = None
     offsets: np.ndarray[Any, Any] | None = None
+    discrete: bool = False
+    direct: bool = False
 
-    def call(self) -> None:
-        """Move the values between the FMU and the buffer."""
-        self.access(*self.arguments)
+
+@dataclass(frozen=True)
+class Calls:
+    """What a loop in C needs of an instance to call the FMU's own functions.
+
+    Attributes
+    ----------
+    standard
+        Major version of FMI.
+    component
+        The instance's pointer.
+    step_name, step
+        Name and function of the step.
+    inputs, outputs
+        What is set before it and got after it.
+    """
+
+    standard: int
+    component: int
+    step_name: str
+    step: Any
+    inputs: Sequence[Port]
+    outputs: Sequence[Port]
 
 
 class Instance(ABC):
@@ -86,6 +134,18 @@ class Instance(ABC):
     C_TYPES: ClassVar[Mapping[str, Any]]
     """Name of an access (``Real`` of ``getReal``) to the C type of its values."""
 
+    STANDARD: ClassVar[int]
+    """Major version of FMI."""
+
+    FUNCTIONS: ClassVar[Sequence[str]] = (
+        "Reset",
+        "EnterInitializationMode",
+        "ExitInitializationMode",
+        "DoStep",
+        "Terminate",
+    )
+    """What is called without the detour through fmpy, which takes longer than a step of most FMUs."""
+
     ACCESS: ClassVar[Mapping[str, str]]
     """Type of a variable to the name of its access, where they differ."""
 
@@ -93,8 +153,11 @@ class Instance(ABC):
         self.name = name
         self.model = model
         self.journal: deque[tuple[int, str]] = deque(maxlen=1000)
+        self._table = np.zeros(0)
         self._inputs: list[Port] = []
         self._outputs: list[Port] = []
+        self._parameters: dict[tuple[str, ...], list[tuple[Access, list[str]]]] = {}
+        self._texts: list[str] = []
         self._initialised = False
         self._dead = False
         self.fmu: Any = None
@@ -105,6 +168,7 @@ class Instance(ABC):
                 unzipDirectory=str(folder),
                 instanceName=name,
             )
+        self._functions = {name: getattr(self.fmu.dll, self.PREFIX + name) for name in self.FUNCTIONS}
         try:
             with self.calling("instantiate"):
                 self._instantiate()
@@ -124,21 +188,17 @@ class Instance(ABC):
         """Set values and begin the initialisation of a run from 0 to ``stop_time``, in s."""
 
     @abstractmethod
-    def _do_step(self, time: float, step_size: float) -> None:
-        """Step from ``time`` by ``step_size``, both in s."""
+    def advance(self, time: float, step_size: float) -> None:
+        """Step from ``time`` by ``step_size``, both in s; nothing else."""
 
     def _forget(self) -> None:  # noqa: B027
         """Let go of what outlives the instance."""
 
     # ---- failures ----------------------------------------------------------------------------------------------------
 
-    @contextmanager
-    def calling(self, call: str) -> Iterator[None]:
+    def calling(self, call: str) -> AbstractContextManager[None]:
         """Turn whatever goes wrong in a call before the first step into a :class:`RunError`."""
-        try:
-            yield
-        except Exception as error:  # fmpy raises bare exceptions, too
-            raise self.failure(error, call) from error
+        return _Calling(self, call)
 
     def failure(self, error: Exception, call: str, time: float = 0.0) -> RunError:
         """Describe a failed call: component, call, time in s, and what the FMU said about it."""
@@ -150,6 +210,14 @@ class Instance(ABC):
         said = [message for status_, message in self.journal if status_ > _WARNING]
         reason = " ".join((said[-1] if said else str(error)).split())
         return RunError(f"{self.name}: {call} failed at t = {time:g} s{status}: {reason}")
+
+    def asked_to_end(self, call: str, reached: float) -> RunError:
+        """Describe an FMU that asks in a call for the end of the run, having reached a time in s."""
+        return RunError(f"{self.name}: {call} asked to end the run at t = {reached:g} s")
+
+    def returned_early(self, call: str, reached: float) -> RunError:
+        """Describe an FMU that did not finish its step, though it was not allowed to return early."""
+        return RunError(f"{self.name}: {call} returned early, at t = {reached:g} s")
 
     @property
     def warnings(self) -> list[str]:
@@ -175,11 +243,26 @@ class Instance(ABC):
         inputs
             Variable name to place in ``table`` and what transforms the value found there.
         """
+        self._table = table
         given = {name: (place, IDENTITY) for name, place in outputs.items()}
-        self._outputs = [self._port("Get", kind, table, names, given) for kind, names in self._by_kind(given)]
-        self._inputs = [self._port("Set", kind, table, names, inputs) for kind, names in self._by_kind(inputs)]
+        self._outputs = [
+            self._port("Get", kind, names, given, discrete)
+            for discrete in (False, True)
+            for kind, names in self._by_kind(name for name in given if self.is_discrete(name) is discrete)
+        ]
+        self._inputs = [self._port("Set", kind, names, inputs) for kind, names in self._by_kind(inputs)]
+
+    def is_discrete(self, name: str) -> bool:
+        """Whether a variable changes at instants only."""
+        return bool(self.model.variables[name].variability != "continuous")
+
+    def calls(self) -> Calls | None:
+        """Return what a loop in C needs, or None of an FMU that cannot be called from there."""
+        step = f"{self.PREFIX}DoStep"
+        return Calls(self.STANDARD, self.fmu.component, step, self._functions["DoStep"], self._inputs, self._outputs)
 
     def _by_kind(self, names: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
+        names = list(names)
         for kind in self.C_TYPES:
             found = [name for name in names if self._access(self.model.variables[name]) == kind]
             if found:
@@ -192,24 +275,34 @@ class Instance(ABC):
         self,
         direction: str,
         kind: str,
-        table: np.ndarray[Any, Any],
         names: Sequence[str],
         places: Mapping[str, tuple[int, Linear]],
+        discrete: bool = False,
     ) -> Port:
-        buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
-        references = (ctypes.c_uint * len(names))(*(self.model.variables[name].valueReference for name in names))
-        pointer = buffer.ctypes.data_as(ctypes.POINTER(self.C_TYPES[kind]))
         transformations = [places[name][1] for name in names]
         identical = all(transformation == IDENTITY for transformation in transformations)
+        found = np.array([places[name][0] for name in names], dtype=np.int64)
+        begin, end = int(found[0]), int(found[0]) + len(found)
+        direct = direction == "Get" and self.C_TYPES[kind] is ctypes.c_double and found.tolist() == [*range(begin, end)]
         return Port(
-            access=getattr(self.fmu, f"{self.PREFIX}{direction}{kind}"),
-            arguments=self._arguments(references, len(names), pointer),
-            buffer=buffer,
-            table=table,
-            places=np.array([places[name][0] for name in names]),
+            access=self._accessor(direction, kind, names, self._table[begin:end] if direct else None),
+            places=found,
             factors=None if identical else np.array([t.factor for t in transformations]),
             offsets=None if identical else np.array([t.offset for t in transformations]),
+            discrete=discrete,
+            direct=direct,
         )
+
+    def _accessor(
+        self, direction: str, kind: str, names: Sequence[str], buffer: np.ndarray[Any, Any] | None = None
+    ) -> Access:
+        if buffer is None:
+            buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
+        references = (ctypes.c_uint * len(names))(*(self.model.variables[name].valueReference for name in names))
+        pointer = buffer.ctypes.data_as(ctypes.POINTER(self.C_TYPES[kind]))
+        function = f"{self.PREFIX}{direction}{kind}"
+        arguments = self._arguments(references, len(names), pointer)
+        return Access(function, getattr(self.fmu.dll, function), arguments, references, buffer)
 
     def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
         """Order the arguments of a getter or setter."""
@@ -218,15 +311,17 @@ class Instance(ABC):
     def take_inputs(self) -> None:
         """Set all connected inputs from the table of values."""
         for port in self._inputs:
-            values = port.table[port.places]
-            port.buffer[:] = values if port.factors is None else port.factors * values + port.offsets
-            port.call()
+            values = self._table[port.places]
+            port.access.buffer[:] = values if port.factors is None else port.factors * values + port.offsets
+            port.access.call()
 
-    def give_outputs(self) -> None:
-        """Get all outputs into the table of values."""
+    def give_outputs(self, discrete: bool | None = None) -> None:
+        """Get outputs into the table of values: all of them, or those that are discrete, or those that are not."""
         for port in self._outputs:
-            port.call()
-            port.table[port.places] = port.buffer
+            if discrete is None or port.discrete is discrete:
+                port.access.call()
+                if not port.direct:
+                    self._table[port.places] = port.access.buffer
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
 
@@ -243,32 +338,45 @@ class Instance(ABC):
         with self.calling("initialisation"):
             if self._initialised:
                 self.journal.clear()  # what was said in an earlier run is that run's
-                self.fmu.reset()
+                self._call("Reset")
             self._initialised = True
             self._begin(stop_time, values)
 
+    def _call(self, function: str, *arguments: Any) -> None:
+        """Call a function of the FMU that takes the instance first."""
+        status = self._functions[function](self.fmu.component, *arguments)
+        if status > _WARNING:
+            raise FMICallException(function=self.PREFIX + function, status=status)
+
     def _set(self, values: Mapping[str, float | str]) -> None:
-        for name, value in values.items():
+        names = tuple(values)
+        if names not in self._parameters:  # the next run sets the same ones, as a rule
+            self._parameters = {names: [(self._accessor("Set", *found), found[1]) for found in self._by_kind(names)]}
+            self._texts = [name for name in names if self._access(self.model.variables[name]) not in self.C_TYPES]
+        for access, found in self._parameters[names]:
+            for i, name in enumerate(found):
+                access.buffer[i] = values[name]
+            access.call()
+        for name in self._texts:
             variable = self.model.variables[name]
-            given = {"Real": float, "Boolean": bool, "String": str}.get(KINDS[variable.type], int)(value)
-            getattr(self.fmu, f"set{self._access(variable)}")([variable.valueReference], [given])
+            getattr(self.fmu, f"set{variable.type}")([variable.valueReference], [values[name]])
 
     def finish_initialisation(self) -> None:
         """Leave the initialisation."""
         with self.calling("initialisation"):
-            self.fmu.exitInitializationMode()
+            self._call("ExitInitializationMode")
 
     def step(self, time: float, step_size: float) -> None:
         """Take inputs, step from ``time`` by ``step_size`` (both in s), give outputs."""
         self.take_inputs()
-        self._do_step(time, step_size)
+        self.advance(time, step_size)
         self.give_outputs()
 
     def terminate(self) -> None:
         """End a run."""
         if self._initialised and not self._dead:
             with self.calling("terminate"):
-                self.fmu.terminate()
+                self._call("Terminate")
 
     def free(self) -> None:
         """Free the instance and unload its library; after a fatal error FMI forbids the first."""
@@ -278,6 +386,18 @@ class Instance(ABC):
         with suppress(Exception):
             self.fmu.freeLibrary()
         self._forget()
+
+
+class _Calling(AbstractContextManager[None]):
+    """See :meth:`Instance.calling`; a class, as a run begins with many and a generator takes its time."""
+
+    def __init__(self, instance: Instance, call: str) -> None:
+        self._instance = instance
+        self._call = call
+
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
+        if isinstance(error, Exception):  # fmpy raises bare exceptions, too
+            raise self._instance.failure(error, self._call) from error
 
 
 # ---- FMI 2 -----------------------------------------------------------------------------------------------------------
@@ -304,6 +424,8 @@ class Instance2(Instance):
     """An instance of an FMI 2.0 FMU."""
 
     PREFIX = "fmi2"
+    STANDARD = 2
+    FUNCTIONS = ("SetupExperiment", *Instance.FUNCTIONS)
     SLAVE = FMU2Slave
     C_TYPES: ClassVar = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
     ACCESS: ClassVar = {"Enumeration": "Integer"}
@@ -319,12 +441,12 @@ class Instance2(Instance):
         self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
 
     def _begin(self, stop_time: float, values: Mapping[str, float | str]) -> None:
-        self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
+        self._call("SetupExperiment", 0, 0.0, 0.0, 1, stop_time)  # no tolerance; from 0 to the stop time
         self._set(values)
-        self.fmu.enterInitializationMode()
+        self._call("EnterInitializationMode")
 
-    def _do_step(self, time: float, step_size: float) -> None:
-        self.fmu.fmi2DoStep(self.fmu.component, time, step_size, 1)
+    def advance(self, time: float, step_size: float) -> None:  # noqa: D102
+        self._call("DoStep", time, step_size, 1)
 
     def _forget(self) -> None:
         _journals.pop(self._environment, None)
@@ -337,6 +459,7 @@ class Instance3(Instance):
     """An instance of an FMI 3.0 FMU, without event mode and early return."""
 
     PREFIX = "fmi3"
+    STANDARD = 3
     SLAVE = FMU3Slave
     C_TYPES: ClassVar = {
         "Float32": ctypes.c_float,
@@ -351,7 +474,7 @@ class Instance3(Instance):
     ACCESS: ClassVar = {"Enumeration": "Int64"}
 
     def _instantiate(self) -> None:
-        self._flags = [ctypes.c_bool() for _ in ("event handling needed", "terminate", "early return")]
+        self._event, self._terminate, self._early = ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()
         self._reached = ctypes.c_double()
         self.fmu.instantiate(loggingOn=True, logMessage=self._log)
 
@@ -360,13 +483,17 @@ class Instance3(Instance):
 
     def _begin(self, stop_time: float, values: Mapping[str, float | str]) -> None:
         self._set(values)
-        self.fmu.enterInitializationMode(startTime=0.0, stopTime=stop_time)
+        self._call("EnterInitializationMode", False, 0.0, 0.0, True, stop_time)  # no tolerance; from 0 to the stop time
 
-    def _do_step(self, time: float, step_size: float) -> None:
-        flags = [ctypes.byref(flag) for flag in self._flags]
-        self.fmu.fmi3DoStep(self.fmu.component, time, step_size, True, *flags, ctypes.byref(self._reached))
-        if self._flags[1].value:
-            raise RunError(f"{self.name}: asked to end the run at t = {self._reached.value:g} s")
+    def advance(self, time: float, step_size: float) -> None:  # noqa: D102
+        for flag in (self._event, self._terminate, self._early):
+            flag.value = False
+        flags = (ctypes.byref(flag) for flag in (self._event, self._terminate, self._early, self._reached))
+        self._call("DoStep", time, step_size, True, *flags)
+        if self._terminate.value:
+            raise self.asked_to_end("fmi3DoStep", self._reached.value)
+        if self._early.value:
+            raise self.returned_early("fmi3DoStep", self._reached.value)
 
     def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
         return (*super()._arguments(references, count, pointer), count)
@@ -392,6 +519,6 @@ def extract(model: Model, folder: Path) -> None:
         If the archive is damaged or holds an illegal path.
     """
     try:
-        fmpy.extract(str(model.path), str(folder))
+        fmpy.extract(model.open(), str(folder))
     except Exception as error:  # zip errors, and fmpy's bare ones
-        raise SetupError(f"{model.path}: expected an archive that can be extracted, got: {error}") from error
+        raise SetupError(f"{model.where}: expected an archive that can be extracted, got: {error}") from error

@@ -1,54 +1,150 @@
-"""Algorithm: who steps when. Time is an integer tick; what is recorded is the observers' business."""
+"""The master: the loop over the components in Python, and what goes on between chunks of steps of either loop."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Protocol
+from collections.abc import Callable, Sequence
+from time import perf_counter
 
-from cosim.clock import Clock
+import numpy as np
+
+from cosim.clock import Pacer
 from cosim.errors import RunError
-from cosim.instance import Instance
+from cosim.plan import Loop, Plan, Turn
+from cosim.recording import Recorder
+
+CHUNK = 0.05
+"""Longest time in s between two looks at the world outside: progress, sinks, interruption."""
+
+_GROWTH = 8
+"""How much longer a chunk may be than the one before: how fast the FMUs are is not known at first."""
 
 
-class Observer(Protocol):
-    """Sees a run pass by."""
-
-    def before(self, tick: int) -> None:
-        """Look at the values at t_k, before any component has stepped."""
-
-    def after(self, tick: int) -> None:
-        """Look at the values after all components have stepped from t_k."""
-
-
-def gauss_seidel(order: Sequence[Instance], clock: Clock, observers: Iterable[Observer]) -> None:
-    """Step the components one after the other, each with the newest outputs of the others.
+def crank(loop: Loop, plan: Plan, room: int, between: Callable[[int], None], pacer: Pacer | None = None) -> None:
+    """Step to the end in chunks.
 
     Parameters
     ----------
-    order
-        Instances in their order: what an earlier one computes in this step reaches the later ones without delay, what
-        a later one computes reaches the earlier ones in the next step.
-    clock
-        When.
-    observers
-        Called before and after every step, in their order.
+    loop
+        What steps.
+    plan
+        What it steps.
+    room
+        How many ticks may pass between two looks outside.
+    between
+        Called there, with the number of ticks that are complete.
+    pacer
+        Where the run is held to real time.
 
     Raises
     ------
     RunError
-        If an FMU refuses a call; the observers keep what they saw.
+        If an FMU failed.
     """
-    observers = tuple(observers)
-    for tick in range(clock.steps):
-        for observer in observers:
-            observer.before(tick)
-        time = clock.time(tick)
-        for instance in order:
-            try:
-                instance.step(time, clock.step_size)
-            except RunError:
-                raise
-            except Exception as error:
-                raise instance.failure(error, "step", time) from error
-        for observer in observers:
-            observer.after(tick)
+    steps, tick, seen, size = plan.clock.steps, 0, 0, 1
+    looked = perf_counter()
+    while tick < steps:
+        if pacer is not None:
+            pacer.wait(tick)
+        begin = perf_counter()
+        last = min(tick + size, steps)
+        loop.run(tick, last)
+        now = perf_counter()
+        if pacer is None:
+            size = max(1, min(room, _GROWTH * size, int(0.5 * CHUNK * (last - tick) / (now - begin))))
+        tick = last
+        if pacer is None or now - looked > 0.5 * CHUNK or tick - seen >= room or tick == steps:
+            between(tick)
+            looked, seen = now, tick
+    if pacer is not None:
+        pacer.wait(steps)
+
+
+def watch(plan: Plan, tick: int) -> None:
+    """Check that all values are numbers.
+
+    Raises
+    ------
+    RunError
+        If one is not.
+    """
+    finite = np.isfinite(plan.table)
+    if not finite.all():
+        place = int(np.flatnonzero(~finite)[0])
+        name, value, time = plan.names[place], plan.table[place], plan.clock.time(tick)
+        raise RunError(f"{name}: expected a finite output, got {value} at t = {time:g} s")
+
+
+class PythonLoop:
+    """The loop in Python; :class:`cosim.stepper.CLoop` does the same.
+
+    Parameters
+    ----------
+    plan
+        What to step.
+    recorder
+        What records it.
+    """
+
+    def __init__(self, plan: Plan, recorder: Recorder) -> None:
+        self._plan = plan
+        self._recorder = recorder
+        self._groups = plan.groups
+        self.done = 0
+
+    def settle(self) -> None:
+        """Pass initial outputs along the connections until they settle."""
+        for _ in self._plan.turns:  # the longest chain of connections without a loop
+            before = self._plan.table.copy()
+            for turn in self._plan.turns:
+                with turn.instance.calling("initial exchange"):
+                    turn.instance.take_inputs()
+                    turn.instance.give_outputs()
+            if np.array_equal(before, self._plan.table, equal_nan=True):
+                break
+
+    def read(self) -> None:
+        """Read all outputs."""
+        for turn in self._plan.turns:
+            with turn.instance.calling("initial exchange"):
+                turn.instance.give_outputs()
+
+    def run(self, first: int, last: int) -> None:
+        """Step from one tick to another, recording."""
+        for tick in range(first, last):
+            watch(self._plan, tick)
+            self._recorder.before(tick)
+            for group in self._groups:
+                self._step(group, tick)
+            self._recorder.after(tick)
+            self.done = tick + 1
+
+    def _step(self, group: Sequence[Turn], tick: int) -> None:
+        """Step components that exchange nothing in between."""
+        due = [turn for turn in group if tick % turn.rate.every == 0]
+        turn, time = group[0], self._plan.clock.time(tick)
+        try:
+            for turn in due:
+                turn.instance.take_inputs()
+            for turn in due:
+                for part in range(turn.rate.parts):
+                    time = turn.rate.time(tick, part)
+                    turn.instance.advance(time, turn.rate.step_size)
+            time = self._plan.clock.time(tick)
+            for turn in group:
+                _give(turn, tick)
+        except RunError:
+            raise
+        except Exception as error:
+            raise turn.instance.failure(error, "step", time) from error
+
+
+def _give(turn: Turn, tick: int) -> None:
+    """Give a component's outputs: what is discrete where its step begins, what is continuous where it ends."""
+    every = turn.rate.every
+    if every == 1:
+        turn.instance.give_outputs()
+        return
+    if tick % every == 0:
+        turn.instance.give_outputs(discrete=True)
+    if (tick + 1) % every == 0:
+        turn.instance.give_outputs(discrete=False)

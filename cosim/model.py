@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import io
 import math
 import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 from pathlib import Path
+from typing import BinaryIO
 
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from cosim.errors import SetupError
+from cosim.mending import mended
 from cosim.units import Unit
 
 Value = float | bool | str
@@ -43,40 +47,46 @@ class Model:
     Attributes
     ----------
     path
-        The ``.fmu`` file.
+        The ``.fmu`` file, or the archive that holds it.
     description
         fmpy's reading of its ``modelDescription.xml``.
     variables
         By name, in the description's order.
+    member
+        Its name in the archive; None for a file of its own.
     """
 
     path: Path
     description: ModelDescription
     variables: dict[str, ModelVariable]
+    member: str | None = None
 
     @classmethod
-    def read(cls, path: str | Path) -> Model:
+    def read(cls, path: str | Path, member: str | None = None) -> Model:
         """Read an FMU's description.
 
         Parameters
         ----------
         path
-            The ``.fmu`` file.
+            The ``.fmu`` file, or an archive (an ``.ssp`` file) that holds it.
+        member
+            Its name in the archive.
 
         Raises
         ------
         SetupError
             If there is no such file, it is no FMU, or not one of FMI 2.0 or 3.0 for co-simulation.
         """
-        path = Path(path)
-        if not path.is_file():
+        file, path = Path(path), _inside(Path(path), member)
+        if not file.is_file():
             raise SetupError(f"{path}: expected an FMU, got no such file")
         try:
-            description = fmpy.read_model_description(str(path), validate=False)
+            description = fmpy.read_model_description(mended(_opened(file, member)), validate=False)
         except zipfile.BadZipFile:
             raise SetupError(f"{path}: expected an FMU (a zip archive), got another kind of file") from None
-        except KeyError:
-            raise SetupError(f"{path}: expected a modelDescription.xml in the archive, got none") from None
+        except KeyError as error:
+            missing = "an FMU" if member and member in str(error) else "a modelDescription.xml"
+            raise SetupError(f"{path}: expected {missing} in the archive, got none") from None
         except Exception as error:  # whatever fmpy stumbles over in a foreign file
             raise SetupError(f"{path}: expected a readable modelDescription.xml, got: {error}") from error
         if description.fmiMajorVersion not in (2, 3) or description.coSimulation is None:
@@ -84,10 +94,24 @@ class Model:
             raise SetupError(
                 f"{path}: expected FMI 2.0 or 3.0 for co-simulation, got FMI {description.fmiVersion}, {kind}"
             )
-        if fmpy.platform not in fmpy.supported_platforms(str(path)):
-            platforms = ", ".join(fmpy.supported_platforms(str(path))) or "none"
-            raise SetupError(f"{path}: expected a binary for {fmpy.platform}, got {platforms}")
-        return cls(path, description, {variable.name: variable for variable in description.modelVariables})
+        platforms = fmpy.supported_platforms(_opened(file, member))
+        if fmpy.platform not in platforms:
+            raise SetupError(f"{path}: expected a binary for {fmpy.platform}, got {', '.join(platforms) or 'none'}")
+        return cls(file, description, {variable.name: variable for variable in description.modelVariables}, member)
+
+    @property
+    def where(self) -> Path:
+        """The FMU as messages call it."""
+        return _inside(self.path, self.member)
+
+    def content(self) -> bytes:
+        """Read the whole FMU."""
+        opened = self.open()
+        return Path(opened).read_bytes() if isinstance(opened, str) else opened.read()
+
+    def open(self) -> str | BinaryIO:
+        """Return what fmpy and zipfile open: the file's name, or the archive's member."""
+        return _opened(self.path, self.member)
 
     @property
     def outputs(self) -> list[ModelVariable]:
@@ -104,7 +128,7 @@ class Model:
         """
         if name not in self.variables:
             raise SetupError(
-                f"{component}.{name}: expected a variable of {self.path.name}, got none{nearest(name, self.variables)}"
+                f"{component}.{name}: expected a variable of {self.where.name}, got none{nearest(name, self.variables)}"
             )
         return self.variables[name]
 
@@ -112,18 +136,28 @@ class Model:
         """Return the name of a variable's unit, its type's unit where it has none of its own."""
         return variable.unit or (variable.declaredType.unit if variable.declaredType else None)
 
+    @property
+    def defined_units(self) -> list[Unit]:
+        """All units that the FMU defines."""
+        definitions = [(unit, unit.baseUnit) for unit in self.description.unitDefinitions if unit.baseUnit is not None]
+        return [
+            Unit(unit.name, (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad), b.factor, b.offset)
+            for unit, b in definitions
+        ]
+
     def defined_unit(self, variable: ModelVariable) -> Unit | None:
         """Return a variable's unit by its definition, or None where there is none."""
-        unit = next((u for u in self.description.unitDefinitions if u.name == self.unit(variable)), None)
-        if unit is None or unit.baseUnit is None:
-            return None
-        b = unit.baseUnit
-        return Unit(unit.name, (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad), b.factor, b.offset)
+        return next((unit for unit in self.defined_units if unit.name == self.unit(variable)), None)
 
     def bound(self, variable: ModelVariable, which: str) -> float | None:
         """Return a variable's ``min`` or ``max``, its type's where it has none of its own."""
         text = getattr(variable, which) or (getattr(variable.declaredType, which) if variable.declaredType else None)
         return None if text is None else float(text)
+
+    @cached_property
+    def bounds(self) -> dict[str, tuple[float | None, float | None]]:
+        """``min`` and ``max`` of all variables by name."""
+        return {name: (self.bound(v, "min"), self.bound(v, "max")) for name, v in self.variables.items()}
 
     def value(self, component: str, name: str, given: Value) -> float | str:
         """Check a value for a variable and convert it to what the FMU takes.
@@ -157,18 +191,31 @@ class Model:
         if variable.type == "String":
             return str(given)
         number = _number(variable, where, given)
-        low, high = self.bound(variable, "min"), self.bound(variable, "max")
-        unit = f" {self.unit(variable)}" if self.unit(variable) else ""
+        low, high = self.bounds[name]
         if not math.isfinite(number):
             raise SetupError(f"{where}: expected a finite number, got {given}")
         if (low is not None and number < low) or (high is not None and number > high):
+            unit = f" {self.unit(variable)}" if self.unit(variable) else ""
             bounds = f"[{'-inf' if low is None else f'{low:g}'}, {'inf' if high is None else f'{high:g}'}]"
             raise SetupError(f"{where}: expected a value in {bounds}{unit}, got {given}")
         return number
 
 
+def _inside(path: Path, member: str | None) -> Path:
+    return path if member is None else path / member
+
+
+def _opened(path: Path, member: str | None) -> str | BinaryIO:
+    if member is None:
+        return str(path)
+    with zipfile.ZipFile(path) as archive:
+        return io.BytesIO(archive.read(member))
+
+
 def _number(variable: ModelVariable, where: str, given: Value) -> float:
     """Convert a value to a number as the variable's type asks."""
+    if type(given) in (float, int) and KINDS[variable.type] == "Real":
+        return float(given)
     text = str(given).strip()
     if variable.type == "Boolean":
         truths = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}

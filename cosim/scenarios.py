@@ -15,6 +15,9 @@ from cosim.system import System
 
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
 
+SYSTEM_FILES = {"fmi2": "SeatSuspension.ssp", "fmi3": "SeatSuspension-fmi3.ssp"}
+"""Flavour to the file that describes the system of its FMUs."""
+
 _CONNECTIONS = {
     "seat.floor_displacement": "shaker.floor_displacement",
     "seat.floor_velocity": "shaker.floor_velocity",
@@ -47,6 +50,9 @@ class Scenario:
 SCENARIOS: dict[str, Scenario] = {
     "bump": Scenario("the paper's bump (34), met at t = 0", {"shaker.profile": "bump"}, 3.0),
     "sine": Scenario("a sine of the floor, 3 Hz and 6 mm by default", {"shaker.profile": "sine"}, 5.0),
+    "sweep": Scenario("a logarithmic sweep, 0.5 to 20 Hz at 1 m/s2 by default", {"shaker.profile": "sweep"}, 60.0),
+    "random": Scenario("random motion of an ISO 7096 class, EM1 by default", {"shaker.profile": "random"}, 60.0),
+    "file": Scenario("a recording, the FMU's example by default", {"shaker.profile": "file"}, 10.0),
 }
 
 
@@ -80,6 +86,7 @@ def seat_suspension(folder: Path) -> System:
             f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; run: seat-cosim build"
         )
     system = System()
+    system.name = "SeatSuspension"
     for name, fmu in _FMUS.items():
         system.add(name, folder / f"{fmu}.fmu")
     for sink, source in _CONNECTIONS.items():

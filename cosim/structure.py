@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal, NamedTuple, get_args
 
@@ -10,6 +11,8 @@ from fmpy.model_description import ModelVariable
 
 from cosim.clock import Clock
 from cosim.errors import SetupError
+from cosim.exchange import Edge, propose
+from cosim.inputs import Settled, settle
 from cosim.model import KINDS, NUMERIC, Model, Value, nearest
 from cosim.units import IDENTITY, Linear, conversion
 
@@ -38,10 +41,24 @@ class Port(NamedTuple):
 
 
 class Feed(NamedTuple):
-    """What an input takes: an output's value, transformed."""
+    """What an input takes: an output's value, transformed.
+
+    Attributes
+    ----------
+    source
+        The output.
+    transformation
+        From its value to the input's: the conversion of units, if any, and then ``asked``.
+    asked
+        The transformation that was asked for.
+    convert_units
+        Whether units are converted.
+    """
 
     source: Port
     transformation: Linear = IDENTITY
+    asked: Linear = IDENTITY
+    convert_units: bool = True
 
 
 class Structure:
@@ -51,6 +68,8 @@ class Structure:
 
     Attributes
     ----------
+    name
+        The system's name.
     models
         Component to its FMU.
     connections
@@ -63,21 +82,25 @@ class Structure:
         Component to its own step size in s, where it is not that of the system: a multiple of it or a whole part.
     stop_time
         How long a run lasts where it says nothing else, in s; None where that is not known.
+    passed_over
+        What was left out when the system was read from a file, a line each.
     """
 
     def __init__(self) -> None:
+        self.name = "system"
         self.models: dict[str, Model] = {}
         self.connections: dict[Port, Feed] = {}
         self.parameters: dict[str, Value] = {}
         self.algorithm: Algorithm = ALGORITHMS[0]
         self.component_steps: dict[str, float] = {}
         self.stop_time: float | None = None
+        self.passed_over: tuple[str, ...] = ()
         self._step_size: float | None = None
         self._order: tuple[str, ...] | None = None
 
     # ---- building ----------------------------------------------------------------------------------------------------
 
-    def add(self, name: str, fmu: str | Path) -> None:
+    def add(self, name: str, fmu: str | Path | Model) -> None:
         """Add a component.
 
         Parameters
@@ -85,7 +108,7 @@ class Structure:
         name
             The component's name, without dots.
         fmu
-            Its ``.fmu`` file.
+            Its ``.fmu`` file, or what was read of it.
 
         Raises
         ------
@@ -96,7 +119,7 @@ class Structure:
             raise SetupError(f"component {name!r}: expected a name without dots")
         if name in self.models:
             raise SetupError(f"component {name}: expected a new name, got one that is there already")
-        self.models[name] = Model.read(fmu)
+        self.models[name] = fmu if isinstance(fmu, Model) else Model.read(fmu)
 
     def connect(
         self,
@@ -122,7 +145,7 @@ class Structure:
             If an end does not exist, has the wrong causality, the input is fed already, or types or dimensions differ.
         """
         source, sink = Port.parse(output), Port.parse(input)
-        ends = {"output": (source, self._variable(source)), "input": (sink, self._variable(sink))}
+        ends = {"output": (source, self.variable(source)), "input": (sink, self.variable(sink))}
         between = f"connection {source} -> {sink}"
         problems = [
             f"{between}: expected {port} to be an {causality}, got a {variable.causality}"
@@ -137,13 +160,14 @@ class Structure:
             problems.append(f"{between}: expected two ends of one numeric type, got {types}")
         elif transformation != IDENTITY and kinds[0] != "Real":
             problems.append(f"{between}: expected no transformation of values of type {kinds[0]}, got {transformation}")
-        converted = self._conversion(source, sink) if convert_units else IDENTITY
+        converted = self.conversion(source, sink) if convert_units else IDENTITY
         if converted is None:
             units = " and ".join(str(self.unit(str(port))) for port in (source, sink))
             problems.append(f"{between}: expected two units of one dimension, got {units}")
         if problems:
             raise SetupError(*problems)
-        self.connections[sink] = Feed(source, transformation.after(converted or IDENTITY))
+        combined = transformation.after(converted or IDENTITY)
+        self.connections[sink] = Feed(source, combined, transformation, convert_units)
 
     def disconnect(self, input: str) -> None:  # noqa: A002
         """Free an input.
@@ -154,13 +178,20 @@ class Structure:
             If nothing feeds it.
         """
         sink = Port.parse(input)
-        self._variable(sink)
+        self.variable(sink)
         if sink not in self.connections:
             fed = [str(port) for port in self.connections]
             raise SetupError(f"{sink}: expected an input that is fed, got one that is free{nearest(input, fed)}")
         del self.connections[sink]
 
-    def _variable(self, port: Port) -> ModelVariable:
+    def variable(self, port: Port) -> ModelVariable:
+        """Look up a variable.
+
+        Raises
+        ------
+        SetupError
+            If there is no such component or variable, with the nearest names.
+        """
         if port.component not in self.models:
             raise SetupError(
                 f"{port}: expected a component among {', '.join(self.models) or 'none'}, got {port.component}"
@@ -168,21 +199,73 @@ class Structure:
             )
         return self.models[port.component].variable(port.component, port.variable)
 
-    def _conversion(self, source: Port, sink: Port) -> Linear | None:
-        """Find what converts between the units of two ends; None where the dimensions differ."""
-        return conversion(*(self.models[port.component].defined_unit(self._variable(port)) for port in (source, sink)))
+    def conversion(self, source: Port, sink: Port) -> Linear | None:
+        """Find what converts between the units of two ports; None where the dimensions differ."""
+        return conversion(*(self.models[port.component].defined_unit(self.variable(port)) for port in (source, sink)))
+
+    def swap(self, name: str, fmu: str | Path) -> list[Port]:
+        """Put another FMU in a component's place and keep the connections and parameters that fit it.
+
+        Parameters
+        ----------
+        name
+            The component; the newcomer takes its name and its place in the order.
+        fmu
+            The newcomer's ``.fmu`` file.
+
+        Returns
+        -------
+        list of Port
+            Inputs of other components that have lost what fed them.
+
+        Raises
+        ------
+        SetupError
+            If there is no such component, or the file is no FMU that can be used here.
+        """
+        if name not in self.models:
+            known = ", ".join(self.models) or "none"
+            raise SetupError(f"{name}: expected a component among {known}, got none{nearest(name, self.models)}")
+        self.models[name] = newcomer = Model.read(fmu)
+        touched = {
+            sink: feed for sink, feed in self.connections.items() if name in (sink.component, feed.source.component)
+        }
+        for sink in touched:
+            del self.connections[sink]
+        for sink, feed in touched.items():
+            with suppress(SetupError):
+                self.connect(str(feed.source), str(sink), feed.asked, feed.convert_units)
+        self.parameters = {
+            text: value
+            for text, value in self.parameters.items()
+            if Port.parse(text).component != name or Port.parse(text).variable in newcomer.variables
+        }
+        return [sink for sink in touched if sink.component != name and sink not in self.connections]
 
     @property
     def order(self) -> tuple[str, ...]:
-        """Order in which the components step: as set, then what was added since."""
-        order = self._order or ()
-        return (*order, *(name for name in self.models if name not in order))
+        """Order in which the components step: as set, and then what was added since; or a proposal."""
+        if self._order is None:
+            return propose(list(self.models), self.edges().values())[0]
+        return (*self._order, *(name for name in self.models if name not in self._order))
 
     @order.setter
     def order(self, names: Sequence[str]) -> None:
         if sorted(names) != sorted(self.models):
             raise SetupError(f"order: expected each of {', '.join(self.models)} once, got {', '.join(names)}")
         self._order = tuple(names)
+
+    @property
+    def order_is_given(self) -> bool:
+        """Whether the order was set, and is no proposal."""
+        return self._order is not None
+
+    def edges(self) -> dict[Port, Edge]:
+        """Tell of each connected input when its value is made."""
+        return {
+            sink: Edge(feed.source.component, sink.component, self.variable(feed.source).variability != "continuous")
+            for sink, feed in self.connections.items()
+        }
 
     @property
     def step_size(self) -> float | None:
@@ -233,20 +316,34 @@ class Structure:
         """
         values: dict[str, dict[str, float | str]] = {name: {} for name in self.models}
         problems: list[str] = []
-        for text, given in {**self.parameters, **parameters}.items():
+        given = {**self.parameters, **parameters}
+        for name, settled in self._settled(given).items():
+            problems += settled.problems
+            given |= {f"{name}.{parameter}": value for parameter, value in settled.settings.items()}
+        for text, value in given.items():
             try:
                 port = Port.parse(text)
-                self._variable(port)
+                self.variable(port)
                 if port in self.connections:
                     raise SetupError(
                         f"{port}: expected a free input, got one that {self.connections[port].source} feeds"
                     )
-                values[port.component][port.variable] = self.models[port.component].value(*port, given)
+                values[port.component][port.variable] = self.models[port.component].value(*port, value)
             except SetupError as error:
                 problems += error.problems
         if problems:
             raise SetupError(*problems)
         return values
+
+    def _settled(self, given: Iterable[str]) -> dict[str, Settled]:
+        """Decide what becomes of inputs that nothing feeds, by component."""
+        fed = {str(sink) for sink in self.connections}
+        return {name: settle(name, model, fed, set(given)) for name, model in self.models.items()}
+
+    def notes(self, parameters: Iterable[str] = ()) -> list[str]:
+        """Say what a user should know: what was passed over, and which inputs nothing feeds in a run."""
+        settled = self._settled({*self.parameters, *parameters}).values()
+        return [*self.passed_over, *(note for inputs in settled for note in inputs.notes)]
 
     def outputs(self) -> list[str]:
         """Name all outputs as ``component.variable``, in order."""
@@ -265,8 +362,8 @@ class Structure:
     def unit(self, port: str) -> str | None:
         """Return the unit of ``component.variable``."""
         component, variable = Port.parse(port)
-        return self.models[component].unit(self._variable(Port(component, variable)))
+        return self.models[component].unit(self.variable(Port(component, variable)))
 
     def start(self, port: str) -> float:
         """Return the start value of the number ``component.variable``."""
-        return float(self._variable(Port.parse(port)).start)
+        return float(self.variable(Port.parse(port)).start)

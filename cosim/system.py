@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Self, Unpack
 
-from cosim.errors import SetupError
+from cosim.editing import edit, parse_source
+from cosim.errors import SetupError, writing_to
 from cosim.model import Value
-from cosim.results import Result
-from cosim.session import Session
-from cosim.structure import Structure
+from cosim.plan import rates
+from cosim.results import LoopName, Result
+from cosim.session import Options, Session, check_choices
+from cosim.ssp import load, package_contents
+from cosim.structure import Algorithm, Structure
 
 
 class System(Structure):
@@ -21,7 +26,46 @@ class System(Structure):
     >>> system.add("seat", "fmus/python/SeatPlant.fmu")                         # doctest: +SKIP
     >>> system.connect("shaker.floor_displacement", "seat.floor_displacement")  # doctest: +SKIP
     >>> result = system.simulate(stop_time=3.0, step_size=0.002)                # doctest: +SKIP
+    >>> system.save("system.ssp")                                               # doctest: +SKIP
+    >>> same = System.load("system.ssp")                                        # doctest: +SKIP
     """
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a system from an ``.ssp`` file, or an ``.ssd`` file beside its resources; see :func:`cosim.ssp.load`.
+
+        Raises
+        ------
+        SetupError
+            With all problems found.
+        """
+        system = cls()
+        load(path, system)
+        return system
+
+    def save(self, path: str | Path) -> bool:
+        """Write the system with its FMUs as an ``.ssp`` file; the same system gives the same bytes.
+
+        Parameters
+        ----------
+        path
+            The file; its folder is made where it does not exist.
+
+        Returns
+        -------
+        bool
+            False where the same file stood there already; it is left alone.
+
+        Raises
+        ------
+        SetupError
+            If it cannot be written.
+        """
+        from fmus.archive import write_archive
+
+        contents = package_contents(self)
+        with writing_to(Path(path).parent):
+            return write_archive(Path(path), contents)
 
     def validate(
         self,
@@ -29,6 +73,9 @@ class System(Structure):
         step_size: float | None = None,
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
+        algorithm: Algorithm | None = None,
+        record_every: int = 1,
+        loop: LoopName | None = None,
     ) -> None:
         """Check all that can be checked before an FMU is loaded.
 
@@ -39,9 +86,10 @@ class System(Structure):
         """
         problems: list[str] = []
         for check in (
-            lambda: self.clock(stop_time, step_size),
+            lambda: rates(self.component_steps, list(self.models), self.clock(stop_time, step_size)),
             lambda: self.check(parameters or {}),
             lambda: self.recorded(record),
+            lambda: check_choices(algorithm, record_every, loop),
         ):
             try:
                 check()
@@ -49,6 +97,37 @@ class System(Structure):
                 problems += error.problems
         if problems:
             raise SetupError(*problems)
+
+    def replace(self, name: str, fmu: str | Path, connections: Mapping[str, str] | None = None) -> None:
+        """Put another FMU in a component's place, all of it or nothing.
+
+        Connections whose names and units fit the newcomer stay; those to inputs it does not have are dropped.
+
+        Parameters
+        ----------
+        name
+            The component; the newcomer takes its name.
+        fmu
+            The newcomer's ``.fmu`` file.
+        connections
+            Input of the system, as ``component.variable``, to the output that feeds it from now on: the newcomer's by
+            its bare name, any by ``component.variable``; ``"0.001*z"`` and ``"-1*z+0.5"`` transform.
+
+        Raises
+        ------
+        SetupError
+            If something does not fit, or an input that was fed before is left without.
+
+        Examples
+        --------
+        >>> system.replace("shaker", "cab.fmu", {"seat.floor_displacement": "0.001*z"})     # doctest: +SKIP
+        """
+        new = []
+        for sink, text in (connections or {}).items():
+            output, transformation = parse_source(text)
+            complete = output.partition(".")[0] in self.models
+            new.append((output if complete else f"{name}.{output}", transformation, sink))
+        edit(self, {name: fmu}, (), new)
 
     def open(self) -> Session:
         """Load all FMUs, for one run or many; use it in a ``with`` statement."""
@@ -61,8 +140,11 @@ class System(Structure):
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
         progress: Callable[[float], None] | None = None,
+        **options: Unpack[Options],
     ) -> Result:
         """Load, run once, free; see :meth:`cosim.session.Session.run`."""
-        self.validate(stop_time, step_size, parameters, record)
+        record = None if record is None else list(record)
+        choices = options.get("algorithm"), options.get("record_every", 1), options.get("loop")
+        self.validate(stop_time, step_size, parameters, record, *choices)
         with self.open() as session:
-            return session.run(stop_time, step_size, parameters, record, progress)
+            return session.run(stop_time, step_size, parameters, record, progress, **options)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import shutil
 import zipfile
 from collections.abc import Iterator, Mapping
@@ -36,7 +37,7 @@ class Built:
     fresh: bool
 
 
-def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
+def write_archive(path: Path, contents: Mapping[str, bytes]) -> bool:
     """Write an archive with sorted entries and without times; it is there as a whole or not at all.
 
     Parameters
@@ -45,16 +46,26 @@ def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
         The file; its folder is made where it does not exist.
     contents
         Name in the archive to content.
+
+    Returns
+    -------
+    bool
+        False where the same file stood there already; it is left alone.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_suffix(".tmp")
-    with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(contents):
             info = zipfile.ZipInfo(name, _EPOCH)
             info.external_attr = 0o644 << 16
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, contents[name])
+    if path.is_file() and path.read_bytes() == stream.getvalue():
+        return False
+    unfinished = path.with_suffix(".tmp")
+    unfinished.write_bytes(stream.getvalue())
     unfinished.replace(path)
+    return True
 
 
 def read_archive(path: Path) -> dict[str, bytes]:

@@ -17,9 +17,20 @@ from fmus.component import Component
 from fmus.components import COMPONENTS
 from fmus.description import content_guid, model_description, to_xml
 from fmus.modules import source_files
-from fmus.native_build import PLATFORMS, STANDARDS, build_native_fmu
+from fmus.native_build import PLATFORMS, STANDARDS, build_library, build_native_fmu, host_platform
 
-__all__ = ["COMPONENTS", "FLAVOURS", "PLATFORMS", "BuildError", "Built", "build", "build_python_fmu", "source_files"]
+__all__ = [
+    "COMPONENTS",
+    "FLAVOURS",
+    "PLATFORMS",
+    "BuildError",
+    "Built",
+    "build",
+    "build_library",
+    "build_python_fmu",
+    "host_platform",
+    "source_files",
+]
 
 _SLAVE_SCRIPT = Path(__file__).with_name("slave_script.py")
 
@@ -68,6 +79,9 @@ def build_python_fmu(component: Component, folder: Path) -> Built:
         command = [sys.executable, "-m", "pythonfmu", "build", "--file", str(main), "--dest", str(stage / "built")]
         command += ["--handle-state", "--serialize-state"]  # the builder overwrites the description's capabilities
         command += [str(stage / "model"), str(stage / "component.json")]
+        for name, content in component.resources().items():
+            (stage / name).write_bytes(content)
+            command.append(str(stage / name))
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         built = stage / "built" / f"{component.name}.fmu"
         if run.returncode or not built.exists():

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME, Component, StateField, state_fields
 from fmus.description import LOG_CATEGORIES
-from fmus.variables import Variable, variables_of
+from fmus.variables import LONGEST_TEXT, Variable, variables_of
 
 
 def prefix(component: Component) -> str:
@@ -20,6 +21,8 @@ def _number(value: float | None, otherwise: str) -> str:
 
 
 def _type(variable: Variable) -> str:
+    if variable.type is str:
+        return "TEXT"
     return "BOOLEAN" if variable.type is bool else "INTEGER" if issubclass(variable.type, int) else "REAL"
 
 
@@ -39,27 +42,40 @@ def _table_row(variable: Variable) -> str:
         f"TYPE_{_type(variable)}",
         f"CAUSALITY_{variable.causality.upper()}",
         f"VARIABILITY_{variable.variability.upper()}",
-        _number(variable.start, "0.0"),
+        _number(None if isinstance(variable.start, str) else variable.start, "0.0"),
         _number(low, "-INFINITY"),
         _number(high, "INFINITY"),
     )
     return "    {" + ", ".join(cells) + "},"
 
 
-def _read(variable: Variable, reference: int) -> str:
-    """Write the expression that takes a variable's value from the table."""
+def _read(variable: Variable, reference: int, texts: Sequence[Variable]) -> str:
+    """Write the expression that takes a variable's value from the table of values, or from the texts."""
+    if variable in texts:
+        return f"texts[{texts.index(variable)}]"
     value = f"values[{reference}]"
     return {"BOOLEAN": f"{value} != 0.0", "INTEGER": f"(int){value}", "REAL": value}[_type(variable)]
 
 
-def _taking(name: str, struct: str, members: list[tuple[int, Variable]]) -> Iterator[str]:
-    """Write a function that takes a struct from the table of values."""
-    yield f"static inline {struct} {name}(const double values[VARIABLE_COUNT])"
+def _taking(
+    name: str, struct: str, members: list[tuple[int, Variable]], texts: Sequence[Variable] | None = None
+) -> Iterator[str]:
+    """Write a function that takes a struct from the table of values and, where given, the texts in their order."""
+    arguments = "const double values[]" if texts is None else "const double values[], const char *const texts[]"
+    yield f"static inline {struct} {name}({arguments})"
     yield "{"
     yield f"    {struct} taken = {{0}};"
-    yield "    (void)values;"
-    yield from (f"    taken.{v.field} = {_read(v, reference)};" for reference, v in members)
+    yield "    (void)values;" if texts is None else "    (void)values, (void)texts;"
+    yield from (f"    taken.{v.field} = {_read(v, reference, texts or ())};" for reference, v in members)
     yield "    return taken;"
+    yield "}\n"
+
+
+def _releasing(component: Component, texts: Sequence[Variable]) -> Iterator[str]:
+    """Write how coefficients are released: a kernel that takes names of files may hold memory."""
+    yield "static inline void model_release(ModelCoefficients *coefficients)"
+    yield "{"
+    yield f"    {prefix(component)}_release(coefficients);" if texts else "    (void)coefficients;"
     yield "}\n"
 
 
@@ -118,6 +134,8 @@ def _places(component: Component) -> Iterator[tuple[StateField, str, str]]:
 def _start(variable: Variable) -> str:
     if variable.type is bool:
         return str(bool(variable.start)).lower()
+    if isinstance(variable.start, str):
+        return json.dumps(variable.start)
     return str(int(variable.start or 0)) if issubclass(variable.type, int) else f"(real){variable.start!r}"
 
 
@@ -157,6 +175,7 @@ def model_header(component: Component, token: str) -> str:
         for kind, causalities in (("INPUT", ("input",)), ("OUTPUT", ("output",)), ("", ("parameter", "local")))
     }
     categories = list(LOG_CATEGORIES)
+    texts = [variable for _, variable in numbered if variable.type is str]
     kernel = component.module.rpartition(".")[2]
     state_count = sum(field.length or 1 for field in state_fields(component.state))
     types = ("parameters", "coefficients", "state", "inputs", "outputs")
@@ -182,13 +201,16 @@ def model_header(component: Component, token: str) -> str:
             for kind, members in of.items()
             if kind
         ),
+        f"enum {{ TEXT_COUNT = {len(texts)}, LONGEST_TEXT = {LONGEST_TEXT} }};",
+        f"#define MODEL_TEXTS {''.join(f'{json.dumps(v.start)}, ' for v in texts)}NULL",
         "\n#define MODEL_VARIABLES \\",
         " \\\n".join(_table_row(variable) for _, variable in numbered) + "\n",
         *(f"typedef {prefix(component)}_{name} Model{name.capitalize()};" for name in types),
         *(f"#define model_{name} {prefix(component)}_{name}" for name in functions),
         "",
         *_taking("model_inputs", "ModelInputs", of["INPUT"]),
-        *_taking("model_parameters", "ModelParameters", of[""]),
+        *_taking("model_parameters", "ModelParameters", of[""], texts),
+        *_releasing(component, texts),
         *_storing(of["OUTPUT"]),
         *_packing(component),
         f"#define MODEL_DEFAULTS {prefix(component).upper()}_DEFAULTS(double)\n",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
@@ -115,6 +115,8 @@ class Component:
         ``warnings(parameters) -> texts`` for legal parameters that a user should think about.
     terminals
         Which variables make a plug together.
+    resources
+        Makes the files that the FMU carries in its folder of resources, by name.
     sample_time
         Period in s of a component that samples, None for others.
     """
@@ -132,6 +134,7 @@ class Component:
     constants: type | None = None
     warnings: Callable[[Any], Sequence[str]] = lambda parameters: ()
     terminals: tuple[Terminal, ...] = ()
+    resources: Callable[[], Mapping[str, bytes]] = dict
     sample_time: float | None = None
 
     @cached_property

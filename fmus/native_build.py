@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution, version
@@ -136,7 +136,7 @@ def source_files(component: Component, standard: Standard, token: str) -> dict[s
     dict
         Name to content.
     """
-    glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "component.h")]
+    glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "paths.c", "paths.h", "component.h")]
     headers = [_FMI_HEADERS / name for name in standard.headers]
     files = {path.name: path.read_bytes() for path in (*kernel_files(component.module), *glue, *headers)}
     generated = {"model.h": model_header(component, token), "defaults.h": defaults_header(component)}
@@ -166,6 +166,7 @@ def fmu_files(component: Component, standard: Standard, token: str) -> dict[str,
     files["modelDescription.xml"] = to_xml(description)
     files["documentation/index.html"] = documentation.page(component).encode()
     files[standard.license_file] = _license()
+    files |= {f"resources/{name}": content for name, content in component.resources().items()}
     if standard.version == "3.0":
         files["sources/buildDescription.xml"] = build_description_xml(description, " ".join(OPTIONS[1:3]))
         files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_xml(component, standard.version)
@@ -258,6 +259,47 @@ def build_native_fmu(flavour: str, component: Component, folder: Path, platforms
         write_archive(target, files)
         cross_check.write(component, folder)
     return Built(target, fresh)
+
+
+def build_library(
+    name: str, sources: dict[str, bytes], mark: bytes, folder: Path, platforms: Sequence[str] = ()
+) -> Iterator[Built]:
+    """Build a shared library that is no FMU, unless one of the same mark lies there already.
+
+    Parameters
+    ----------
+    name
+        Of the library, without extension.
+    sources
+        As :func:`compile_binary` takes them.
+    mark
+        What a library of these sources contains, and none of others.
+    folder
+        Where it goes: to the subfolder of its platform's name.
+    platforms
+        Names from :data:`PLATFORMS`; the host's where none is given.
+
+    Yields
+    ------
+    Built
+        As soon as it is there.
+
+    Raises
+    ------
+    BuildError
+        If the compiler is missing or fails, or a platform is not known.
+    """
+    _compiler_version()
+    for platform in [_platform(name) for name in platforms or (host_platform(),)]:
+        target = folder / platform.name / f"{name}{platform.extension}"
+        fresh = not target.is_file() or mark not in target.read_bytes()
+        if fresh:
+            binary = compile_binary(name, sources, platform)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            unfinished = target.with_suffix(".tmp")
+            unfinished.write_bytes(binary)
+            unfinished.replace(target)
+        yield Built(target, fresh)
 
 
 def _platform(name: str) -> Platform:

@@ -11,6 +11,7 @@ import json
 import math
 from collections.abc import Sequence
 from operator import attrgetter
+from pathlib import Path
 from typing import Any, ClassVar
 from xml.etree import ElementTree
 
@@ -145,7 +146,7 @@ class ComponentSlave(Fmi2Slave):
         self._set(vrs, values, (bool,))
 
     def set_string(self, vrs: Sequence[int], values: Sequence[str]) -> None:
-        """Refuse: no component has strings."""
+        """Set texts by value reference."""
         self._set(vrs, values, (str,))
 
     def get_real(self, vrs: Sequence[int]) -> list[float]:
@@ -161,7 +162,7 @@ class ComponentSlave(Fmi2Slave):
         return self._get(vrs, (bool,), False)
 
     def get_string(self, vrs: Sequence[int]) -> list[str]:
-        """Refuse: no component has strings."""
+        """Get texts by value reference; an empty one where there is none."""
         return self._get(vrs, (str,), "")
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
@@ -192,7 +193,8 @@ class ComponentSlave(Fmi2Slave):
         """Derive the coefficients of the parameters as they are now; return what is wrong with them, or None."""
         if self._coefficients is not None:
             return None
-        parameters = self.component.parameters(*self._values[self._slices["parameter"]])
+        values = (self._whole(value) for value in self._values[self._slices["parameter"]])
+        parameters = self.component.parameters(*values)
         try:
             self._coefficients = self.component.prepare(parameters)
         except ParameterError as error:
@@ -202,6 +204,10 @@ class ComponentSlave(Fmi2Slave):
                 self._warned.append(text)
                 self.log(text, Fmi2Status.warning)
         return None
+
+    def _whole(self, value: Any) -> Any:
+        """Make the whole path of a file's name, relative to the FMU's resources; other values stay."""
+        return str(Path(self.resources, value)) if isinstance(value, str) else value
 
     def _inputs(self) -> Any:
         return self.component.inputs(*self._values[self._slices["input"]])
@@ -252,7 +258,7 @@ class ComponentSlave(Fmi2Slave):
             "guid": self.content_guid,
             "phase": self._phase,
             "time": self._time,
-            "values": [v if isinstance(v, bool) else float(v) for v in self._values],
+            "values": [v if isinstance(v, bool | str) else float(v) for v in self._values],
             "state": None if self._state is None else numbers_of(self._state),
             "outputs_due": self._outputs_due,
             "faults": dict(self._faults),

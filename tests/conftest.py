@@ -1,8 +1,11 @@
-"""What the tests share: FMUs built once, a system of them, an independent solver, readers of golden data."""
+"""What the tests share: FMUs built once, a system of them, an independent solver, a shell, readers of golden data."""
 
 from __future__ import annotations
 
 import csv
+import subprocess
+import sys
+import zipfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -10,15 +13,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cosim import System
+from cosim import System, cli, stepper
 from cosim.instance import Instance, extract, instantiate
 from cosim.model import Model
 from cosim.scenarios import seat_suspension
-from fmus.build import build
+from fmus.build import build, build_library
 
 ROOT = Path(__file__).parent.parent
 DATA = Path(__file__).parent / "data"
 NATIVE = ("fmi2", "fmi3")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def core() -> None:
+    """Build the loop in C, unless it lies there already."""
+    for _ in build_library(stepper.NAME, stepper.sources(), stepper.fingerprint(), stepper.BUILT):
+        pass
 
 
 @pytest.fixture(scope="session")
@@ -41,6 +51,17 @@ def native(fmu_folder: Path) -> Path:
     for _ in build(fmu_folder, NATIVE):
         pass
     return fmu_folder
+
+
+@pytest.fixture(scope="session")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of FMUs that are not ours, from ``examples/foreign``, built by their own tools."""
+    folder = tmp_path_factory.mktemp("foreign")
+    for script in sorted((ROOT / "examples" / "foreign").glob("*.py")):
+        tool = "pythonfmu3" if "pythonfmu3" in script.read_text() else "pythonfmu"
+        command = [sys.executable, "-m", tool, "build", "-f", str(script), "-d", str(folder)]
+        subprocess.run(command, check=True, capture_output=True)
+    return folder
 
 
 @pytest.fixture
@@ -101,6 +122,44 @@ def seat(request: pytest.FixtureRequest, fmus: Path, native: Path, tmp_path: Pat
         yield Driven(instance)
     finally:
         instance.free()
+
+
+class Shell:
+    """Runs commands in a folder that holds the FMUs."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], fmus: Path) -> None:
+        self.monkeypatch = monkeypatch
+        self.capfd = capfd
+        self.fmus = fmus
+
+    def __call__(self, *words: str, fmus: bool = True) -> tuple[int, str, str]:
+        where = ["--fmus", str(self.fmus)] if fmus and words[:1] in (("run",), ("reproduce",)) else []
+        self.monkeypatch.setattr(sys, "argv", ["seat-cosim", *words, *where])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out, err = self.capfd.readouterr()
+        return int(end.value.code or 0), out, err
+
+
+@pytest.fixture
+def shell(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], native: Path, tmp_path: Path) -> Shell:
+    monkeypatch.chdir(tmp_path)
+    return Shell(monkeypatch, capfd, native)
+
+
+def edited(fmu: Path, target: Path, *replacements: tuple[str, str]) -> Path:
+    """Copy an FMU with another description."""
+    with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(target, "w") as copy:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "modelDescription.xml":
+                text = content.decode()
+                for old, new in replacements:
+                    assert old in text
+                    text = text.replace(old, new)
+                content = text.encode()
+            copy.writestr(name, content)
+    return target
 
 
 def read_csv(path: Path) -> dict[str, np.ndarray]:

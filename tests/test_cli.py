@@ -3,37 +3,15 @@
 from __future__ import annotations
 
 import json
-import sys
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
-from conftest import read_csv
+from conftest import Shell, read_csv
 
-from cosim import cli
+from cosim import Result, System
 from seat_controller_fmu.gains import preset
-
-
-class Shell:
-    """Runs commands in a folder that holds the FMUs."""
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], fmus: Path) -> None:
-        self.monkeypatch = monkeypatch
-        self.capfd = capfd
-        self.fmus = fmus
-
-    def __call__(self, *words: str, fmus: bool = True) -> tuple[int, str, str]:
-        where = ["--fmus", str(self.fmus)] if fmus and words[:1] in (("run",), ("reproduce",)) else []
-        self.monkeypatch.setattr(sys, "argv", ["seat-cosim", *words, *where])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out, err = self.capfd.readouterr()
-        return int(end.value.code or 0), out, err
-
-
-@pytest.fixture
-def shell(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], native: Path, tmp_path: Path) -> Shell:
-    monkeypatch.chdir(tmp_path)
-    return Shell(monkeypatch, capfd, native)
 
 
 def test_reproduce_bump_writes_results_figures_and_table(shell: Shell, tmp_path: Path):
@@ -49,13 +27,15 @@ def test_reproduce_bump_writes_results_figures_and_table(shell: Shell, tmp_path:
     assert "about 4" in out
 
 
-def test_reproduction_is_reproducible(shell: Shell, tmp_path: Path):
+def test_reproduction_is_reproducible(shell: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     contents = []
     for folder in ("one", "two"):
-        assert shell("reproduce", "bump", "--output", folder)[0] == 0
+        (tmp_path / folder).mkdir()
+        monkeypatch.chdir(tmp_path / folder)
+        assert shell("reproduce", "bump")[0] == 0
         files = sorted(path for path in (tmp_path / folder).rglob("*") if path.is_file())
         contents.append([path.read_bytes() for path in files])
-    assert len(contents[0]) == 6
+    assert len(contents[0]) == 9
     assert contents[0] == contents[1]
 
 
@@ -75,7 +55,7 @@ def test_run_takes_its_options_in_the_order_of_the_contract(shell: Shell, tmp_pa
     assert code == 0
     assert "51 rows" in out
     folder = tmp_path / "results" / "run" / "sine"
-    assert {path.name for path in folder.iterdir()} == {"result.csv", "overview.png"}
+    assert {path.name for path in folder.iterdir()} == {"result.csv", "run.json", "overview.png"}
     assert shell("run", "sine", "--control", "off", "--stop-time", "0.1", "--output", "off")[0] == 0
     assert not read_csv(tmp_path / "off" / "result.csv")["controller.force"].any()
 
@@ -93,6 +73,8 @@ def test_run_takes_its_options_in_the_order_of_the_contract(shell: Shell, tmp_pa
             "expected a component among shaker, seat, controller, got sead",
         ),
         (["run", "bump", "--set", "nonsense"], "--set nonsense: expected COMPONENT.VARIABLE=VALUE"),
+        (["run", "bump", "--record-every", "0"], "0 is not in the range x>=1"),
+        (["run", "bump", "--format", "xlsx"], "'xlsx' is not one of 'csv', 'parquet', 'mdf4'"),
         (["run", "bump", "--observer", "3"], "'3' is not one of '1', '2'"),
         (["run", "jump"], "'jump' is not one of"),
         (["run"], "Missing argument"),
@@ -202,7 +184,11 @@ def test_a_failing_run_is_exit_code_1_and_leaves_a_partial_result(shell: Shell, 
     assert err.startswith("seat-cosim: error: controller: fmi2DoStep failed at t = 0 s (discard)")
     assert "expected driver_mass_min < driver_mass_max, got 100.0 kg and 80.0 kg" in err
     assert err.count("\n") == 1
+    assert "(no rows of 3 s in here/result.partial.csv)" in err
     assert [path.name for path in (tmp_path / "here").glob("result*")] == ["result.partial.csv"]
+    told = json.loads((tmp_path / "here" / "run.json").read_text())
+    assert (told["complete"], told["rows"]) == (False, 0)
+    assert told["error"].startswith("controller: fmi2DoStep failed at t = 0 s (discard)")
 
 
 def test_a_run_that_cannot_begin_is_exit_code_1(shell: Shell, tmp_path: Path):
@@ -212,7 +198,10 @@ def test_a_run_that_cannot_begin_is_exit_code_1(shell: Shell, tmp_path: Path):
     assert err.startswith("seat-cosim: error: controller: fmi2ExitInitializationMode failed at t = 0 s (error)")
     assert "driver_mass_max; got driver_mass_min = 100 kg, driver_mass_max = 80 kg" in err
     assert err.count("\n") == 1
-    assert not list((tmp_path / "here").glob("result*"))
+    assert [path.name for path in (tmp_path / "here").iterdir()] == ["run.json"]
+    told = json.loads((tmp_path / "here" / "run.json").read_text())
+    assert not told["complete"]
+    assert told["error"] in err
 
 
 def test_a_refused_run_leaves_an_earlier_result_alone(shell: Shell, tmp_path: Path):
@@ -230,9 +219,14 @@ def test_debug_shows_the_traceback_and_nothing_else_does(shell: Shell):
 def test_build_says_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
     code, out, _ = shell("build", "--flavour", "fmi2", "--flavour", "fmi3", "--output", "here")
     assert code == 0
-    assert out.count("built") == 6
+    assert len(re.findall(r"(fmu|ssp) .* built", out)) == 6 + 2
+    assert "stepper" in out
     assert (tmp_path / "here" / "fmi3" / "SeatController.fmu").exists()
-    assert shell("build", "--flavour", "fmi3", "--output", "here")[1].count("up to date") == 3
+    for name in ("SeatSuspension.ssp", "SeatSuspension-fmi3.ssp"):
+        assert System.load(tmp_path / "here" / name).order == ("controller", "seat", "shaker")
+    out = shell("build", "--flavour", "fmi3", "--output", "here")[1]
+    assert out.count("up to date") == 3 + 1 + 1
+    assert "SeatSuspension.ssp" not in out
 
 
 def test_fmus_of_a_wheel_are_exported(shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -251,7 +245,18 @@ def test_fmus_of_a_wheel_are_exported(shell: Shell, native: Path, tmp_path: Path
     assert exported.with_name("SeatPlant_ref.csv").exists()
 
 
-@pytest.mark.parametrize("command", [[], ["build"], ["fmus"], ["run"], ["reproduce"], ["design"]])
+def test_run_writes_the_formats_asked_for_and_every_nth_row(shell: Shell, tmp_path: Path):
+    words = ("run", "bump", "--stop-time", "0.1", "--output", "here", "--record-every", "20")
+    assert shell(*words, "--format", "mdf4", "--format", "parquet", "--format", "csv")[0] == 0
+    results = [Result.read(tmp_path / "here" / f"result{suffix}") for suffix in (".csv", ".mf4", ".parquet")]
+    assert list(results[0].time) == [0.0, 0.04, 0.08, 0.1]
+    assert all(np.array_equal(result.rows, results[0].rows) for result in results)
+    assert results[1].units["controller.force"] == results[2].units["controller.force"] == "N"
+    assert shell(*words)[0] == 0
+    assert not (tmp_path / "here" / "result.mf4").exists()
+
+
+@pytest.mark.parametrize("command", [[], ["build"], ["fmus"], ["run"], ["reproduce"], ["rerun"], ["design"]])
 def test_help_has_an_example(shell: Shell, command: list[str]):
     code, out, _ = shell(*command, "--help", fmus=False)
     assert code == 0

@@ -1,0 +1,152 @@
+"""Files of a system structure: an ``.ssp`` archive, or an ``.ssd`` file and the folder it lies in."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+import zlib
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote, urlsplit
+
+from cosim.errors import SetupError
+from cosim.model import Model
+
+DESCRIPTION = "SystemStructure.ssd"
+"""What the description is called in an archive."""
+
+_DAMAGED = (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, OSError, EOFError)
+"""What :mod:`zipfile` raises for archives that are damaged, encrypted, or compressed in an unknown way."""
+
+
+def read_file(path: Path, expected: str) -> bytes:
+    """Read a file that the user named.
+
+    Raises
+    ------
+    SetupError
+        If it cannot be read.
+    """
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        got = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
+        raise SetupError(f"{path}: expected {expected}, got {got}") from None
+
+
+class Package:
+    """A system structure's files, read where they lie.
+
+    Parameters
+    ----------
+    path
+        The ``.ssp`` archive or the ``.ssd`` file.
+
+    Attributes
+    ----------
+    where
+        The description, as messages call it.
+
+    Raises
+    ------
+    SetupError
+        If there is no such file, it is no archive, or one with a path that leaves its folder.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self._path = Path(path)
+        self._members: frozenset[str] | None = None
+        if self._path.suffix.lower() == ".ssd":
+            self.where = self._path
+            return
+        if not self._path.is_file():
+            raise SetupError(f"{self._path}: expected a system structure (.ssp or .ssd), got no such file")
+        try:
+            with zipfile.ZipFile(self._path) as archive:
+                names = archive.namelist()
+        except _DAMAGED:
+            raise SetupError(f"{self._path}: expected an .ssp file (a zip archive), got another kind of file") from None
+        if unsafe := [name for name in names if _leaves(name)]:
+            raise SetupError(f"{self._path}: expected paths that stay in the archive, got {unsafe[0]}")
+        self._members = frozenset(names)
+        self.where = self._path / DESCRIPTION
+
+    def description(self) -> bytes:
+        """Read the description.
+
+        Raises
+        ------
+        SetupError
+            If there is none.
+        """
+        if self._members is None:
+            return read_file(self._path, "a system structure")
+        return self._member(DESCRIPTION)
+
+    def read(self, uri: str) -> bytes:
+        """Read a resource.
+
+        Parameters
+        ----------
+        uri
+            Relative to the description.
+
+        Raises
+        ------
+        SetupError
+            If the URI is not one that leads to a file here, or the file cannot be read.
+        """
+        name = self._name(uri)
+        if self._members is None:
+            return read_file(self._path.parent / name, f"a file, as {self.where.name} says")
+        return self._member(name)
+
+    def model(self, uri: str) -> Model:
+        """Read an FMU's description; parameter and errors as those of :meth:`read`."""
+        name = self._name(uri)
+        if self._members is None:
+            return Model.read(self._path.parent / name)
+        self._check(name)
+        try:
+            return Model.read(self._path, name)
+        except _DAMAGED as error:
+            raise SetupError(f"{self.locate(uri)}: expected an archive that can be read, got: {error}") from None
+
+    def read_in(self, archive: str, uri: str) -> tuple[bytes, str]:
+        """Read a file inside a resource that is an archive, and say where that is; errors as those of :meth:`read`."""
+        where, name = self.locate(archive) / unquote(uri), self._name(uri)
+        try:
+            with zipfile.ZipFile(io.BytesIO(self.read(archive))) as opened:
+                return opened.read(name), str(where)
+        except KeyError:
+            raise SetupError(f"{where}: expected a file in the archive, got none of that name") from None
+        except _DAMAGED as error:
+            raise SetupError(f"{where}: expected a file that can be read, got: {error}") from None
+
+    def locate(self, uri: str) -> Path:
+        """Return a resource as messages call it."""
+        return self.where.parent / unquote(uri)
+
+    def _name(self, uri: str) -> str:
+        """Find the file that a URI names."""
+        parts = urlsplit(uri)
+        name = unquote(parts.path)
+        if parts.scheme or parts.netloc or parts.query or parts.fragment or not name or _leaves(name):
+            raise SetupError(f"{self.where}: expected a source in the folder of the description, got {uri!r}")
+        return str(PurePosixPath(name))
+
+    def _member(self, name: str) -> bytes:
+        self._check(name)
+        try:
+            with zipfile.ZipFile(self._path) as archive:
+                return archive.read(name)
+        except _DAMAGED as error:
+            raise SetupError(f"{self._path / name}: expected a file that can be read, got: {error}") from None
+
+    def _check(self, name: str) -> None:
+        if self._members is not None and name not in self._members:
+            raise SetupError(f"{self._path / name}: expected a file in the archive, got none of that name")
+
+
+def _leaves(name: str) -> bool:
+    """Whether a path may lead out of the folder it is relative to, on any platform."""
+    return name.startswith("/") or "\\" in name or ":" in name or ".." in name.split("/")

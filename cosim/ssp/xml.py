@@ -1,0 +1,261 @@
+"""Dataclasses as XML: each field says where its value stands; one reader and one writer serve all of them.
+
+Reading and writing are each other's inverse by construction. What no field asks for is passed over, but only where the
+schema allows it: a document is validated before it is read, so that a misspelt element cannot get lost in silence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
+
+from lxml import etree
+
+from cosim.errors import SetupError
+
+NAMESPACES = {
+    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
+    "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
+    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+    "ssm": "http://ssp-standard.org/SSP1/SystemStructureParameterMapping",
+    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+    "exchange": "urn:seat-cosim:exchange",
+}
+"""By the prefix that is written; there are readers that know elements by prefix alone."""
+
+_SCHEMAS = {
+    "ssd:SystemStructureDescription": "SystemStructureDescription",
+    "ssv:ParameterSet": "SystemStructureParameterValues",
+    "ssm:ParameterMapping": "SystemStructureParameterMapping",
+}
+"""Root of a document, or of one embedded in another, to its schema."""
+
+
+class Document(Protocol):
+    """A dataclass that describes a whole document."""
+
+    ROOT: ClassVar[str]
+
+
+D = TypeVar("D", bound=Document)
+
+
+def _qualified(name: str) -> str:
+    """Turn ``prefix:name`` into lxml's ``{namespace}name``."""
+    prefix, _, local = name.partition(":")
+    return f"{{{NAMESPACES[prefix]}}}{local}"
+
+
+class Codec(NamedTuple):
+    """How a value stands in an attribute."""
+
+    expected: str
+    read: Callable[[str], Any]
+    write: Callable[[Any], str]
+
+
+def _read_boolean(text: str) -> bool:
+    return {"true": True, "1": True, "false": False, "0": False}[text.strip()]
+
+
+TEXT = Codec("a text", str, str)
+REAL = Codec("a number", float, lambda value: repr(float(value)))
+INTEGER = Codec("a whole number", int, str)
+BOOLEAN = Codec("true or false", _read_boolean, lambda value: "true" if value else "false")
+
+
+# ---- where a field's value stands ------------------------------------------------------------------------------------
+
+
+class _MalformedError(Exception):
+    """What is wrong with an element that no schema checks, and its line."""
+
+    def __init__(self, element: Any, problem: str) -> None:
+        super().__init__(f"line {element.sourceline}: {problem}")
+
+
+class _Tag:
+    """The name of the element itself, without its namespace."""
+
+    def read(self, element: Any) -> str:
+        return str(etree.QName(element).localname)
+
+    def write(self, element: Any, value: str) -> None:
+        """Nothing: the element was made with that name."""
+
+
+@dataclass(frozen=True)
+class _Attribute:
+    name: str
+    codec: Codec
+    default: Any
+
+    def read(self, element: Any) -> Any:
+        text = element.get(self.name)
+        if text is None and self.default is not MISSING:
+            return self.default
+        where = f"{etree.QName(element).localname} {self.name}: expected {self.codec.expected}"
+        if text is None:
+            raise _MalformedError(element, f"{where}, got none")
+        try:
+            return self.codec.read(text)
+        except (KeyError, ValueError):
+            raise _MalformedError(element, f"{where}, got {text!r}") from None
+
+    def write(self, element: Any, value: Any) -> None:
+        if self.default is MISSING or value != self.default:
+            element.set(self.name, self.codec.write(value))
+
+
+@dataclass(frozen=True)
+class _Children:
+    types: Mapping[str, type]
+    container: str | None
+    single: bool
+
+    def read(self, element: Any) -> Any:
+        if self.container is not None:
+            element = element.find(_qualified(self.container))
+        types = {_qualified(name): cls for name, cls in self.types.items()}
+        found = [] if element is None else [_read(types[child.tag], child) for child in element if child.tag in types]
+        if self.single:
+            return found[0] if found else None
+        return tuple(found)
+
+    def write(self, element: Any, value: Any) -> None:
+        values = value if not self.single else () if value is None else (value,)
+        if self.container is not None and values:
+            element = etree.SubElement(element, _qualified(self.container))
+        for item in values:
+            _write(item, etree.SubElement(element, _qualified(self._name(item))))
+
+    def _name(self, item: Any) -> str:
+        names = [name for name, cls in self.types.items() if cls is type(item)]
+        return names[0] if len(names) == 1 else next(n for n in names if n.partition(":")[2] == item.kind)
+
+
+def tag() -> Any:
+    """Declare a field ``kind`` that holds the element's own name, for a class that serves several elements."""
+    return field(metadata={"part": _Tag()})
+
+
+def attribute(name: str, codec: Codec = TEXT, default: Any = MISSING) -> Any:
+    """Declare a field that stands in an attribute; not written where it is the default."""
+    return field(metadata={"part": _Attribute(name, codec, default)}, default=default)
+
+
+def child(types: Mapping[str, type], container: str | None = None) -> Any:
+    """Declare a field that is an element of its own, or None.
+
+    Parameters
+    ----------
+    types
+        ``prefix:name`` of an element to the dataclass that describes it.
+    container
+        The element around it, if any.
+    """
+    return field(metadata={"part": _Children(types, container, single=True)}, default=None)
+
+
+def children(types: Mapping[str, type], container: str | None = None) -> Any:
+    """Declare a field that is a tuple of elements; parameters as those of :func:`child`."""
+    return field(metadata={"part": _Children(types, container, single=False)}, default=())
+
+
+def _read(cls: type, element: Any) -> Any:
+    return cls(**{f.name: f.metadata["part"].read(element) for f in fields(cls)})
+
+
+def _write(value: Any, element: Any) -> None:
+    for f in fields(value):
+        f.metadata["part"].write(element, getattr(value, f.name))
+
+
+# ---- documents -------------------------------------------------------------------------------------------------------
+
+
+@cache
+def _schema(name: str) -> Any:
+    """Load one of the standard's schemas, which come with fmpy."""
+    spec = find_spec("fmpy")
+    assert spec is not None
+    assert spec.origin is not None
+    return etree.XMLSchema(file=str(Path(spec.origin).parent / "ssp" / "schema" / f"{name}.xsd"))
+
+
+def _against_schema(root: Any) -> str | None:
+    """Say what the standard's schemas have against a document or one embedded in it; None if nothing."""
+    for name, schema in _SCHEMAS.items():
+        for element in root.iter(_qualified(name)):
+            if not _schema(schema).validate(element):
+                error = _schema(schema).error_log[0]
+                text = str(error.message)
+                for namespace in NAMESPACES.values():
+                    text = text.replace(f"{{{namespace}}}", "")
+                return f"line {error.line}: {text}"
+    return None
+
+
+def _parse(data: bytes, where: str) -> Any:
+    """Parse XML that may come from anywhere: no network, no document type, no entities, no huge trees.
+
+    Raises
+    ------
+    SetupError
+        If it is none of that kind.
+    """
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, remove_comments=True, remove_pis=True
+    )
+    try:
+        root = etree.fromstring(data, parser)
+    except (etree.XMLSyntaxError, ValueError, LookupError) as error:
+        raise SetupError(f"{where}: expected XML, got: {error}") from None
+    if root.getroottree().docinfo.doctype:
+        raise SetupError(f"{where}: expected XML without a document type, got one")
+    return root
+
+
+def read_document(cls: type[D], data: bytes, where: str) -> D:
+    """Read a document.
+
+    Parameters
+    ----------
+    cls
+        The dataclass that describes it.
+    data
+        Its bytes.
+    where
+        What to call it in messages.
+
+    Raises
+    ------
+    SetupError
+        If it is no XML, another document, of another version, or against the schema.
+    """
+    root = _parse(data, where)
+    if root.tag != _qualified(cls.ROOT):
+        raise SetupError(f"{where}: expected <{cls.ROOT}> of SSP 1.0, got <{etree.QName(root).localname}>")
+    version = root.get("version", "none")
+    if not version.startswith("1."):
+        raise SetupError(f"{where}: expected version 1.0, got {version}")
+    if problem := _against_schema(root):
+        raise SetupError(f"{where}: expected what the schema of SSP 1.0 allows, got {problem}")
+    try:
+        document: D = _read(cls, root)
+    except _MalformedError as error:
+        raise SetupError(f"{where}: {error}") from None
+    return document
+
+
+def write_document(document: Document) -> bytes:
+    """Write a document: UTF-8, without dates, the same content in the same bytes."""
+    root = etree.Element(_qualified(document.ROOT), nsmap=NAMESPACES)
+    _write(document, root)
+    etree.cleanup_namespaces(root)
+    etree.indent(root)
+    return bytes(etree.tostring(root, encoding="utf-8", xml_declaration=True, pretty_print=True))
