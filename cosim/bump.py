@@ -1,6 +1,6 @@
 """The paper's bump test: its three cases, the table beside the paper's numbers, its Fig. 5-7.
 
-With :mod:`cosim.scenarios` the only module of this package that knows signal names of the components.
+With :mod:`cosim.scenarios` and :mod:`cosim.paper` all that knows signal names of the components in this package.
 """
 
 from __future__ import annotations
@@ -170,13 +170,11 @@ NOTES = (
 """What to know when reading the table."""
 
 
-def draw_figures(folder: Path, results: Mapping[str, Result], cases: Mapping[str, Case], mass: float) -> list[Path]:
-    """Draw the counterparts of the paper's Fig. 5, 6 and 7.
+def figures(results: Mapping[str, Result], cases: Mapping[str, Case], mass: float) -> dict[str, list[Panel]]:
+    """Make the counterparts of the paper's Fig. 5, 6 and 7.
 
     Parameters
     ----------
-    folder
-        Where to; it exists.
     results
         By case.
     cases
@@ -186,8 +184,8 @@ def draw_figures(folder: Path, results: Mapping[str, Result], cases: Mapping[str
 
     Returns
     -------
-    list of Path
-        The PNG files.
+    dict
+        ``fig05``, ``fig06``, ``fig07`` to panels over time in s.
     """
 
     def curves(signal: str, names: list[str]) -> list[Curve]:
@@ -196,37 +194,47 @@ def draw_figures(folder: Path, results: Mapping[str, Result], cases: Mapping[str
     time = results["uncontrolled"].time
     observers = [name for name in results if name != "uncontrolled"]
     limit = float(max(np.abs(results[name]["controller.force"]).max() for name in observers))
-    subject = f"{mass:g} kg driver"
     acceleration = Panel("Driver acceleration (m/s²)", time, curves("seat.driver_acceleration", list(results)), {})
     estimates = [
         Panel(
             f"{cases[name].title}: force (N)",
             time,
             [
-                Curve("disturbance $F_d$", disturbance(results[name], mass), {"color": "0.45", "linestyle": "--"}),
-                Curve("estimate $\\hat F$", results[name]["controller.disturbance_estimate"], cases[name].style),
+                Curve("disturbance F_d (5)", disturbance(results[name], mass), {"color": "0.45", "linestyle": "--"}),
+                Curve("estimate (21)", results[name]["controller.disturbance_estimate"], cases[name].style),
             ],
             {},
         )
         for name in observers
     ]
-    force = Panel(
-        "Actuator force $u_{sat}$ (N)",
-        time,
-        curves("controller.force", observers),
-        {f"±{limit:g} N": limit, "": -limit},
-    )
-    figures = {
-        "fig05_driver_acceleration.png": (
-            f"As the paper's Fig. 5: bump, acceleration of the driver, {subject}",
-            [acceleration],
-        ),
-        "fig06_observers.png": (
-            f"As the paper's Fig. 6: bump, disturbance and its estimates, {subject}",
-            estimates,
-        ),
-        "fig07_force.png": (f"As the paper's Fig. 7: bump, saturated control force, {subject}", [force]),
-    }
-    for name, (title, panels) in figures.items():
-        draw(folder / name, title, panels)
-    return [folder / name for name in figures]
+    marks = {f"±{limit:g} N": limit, "": -limit}
+    force = Panel("Actuator force (N)", time, curves("controller.force", observers), marks)
+    return {"fig05": [acceleration], "fig06": estimates, "fig07": [force]}
+
+
+_FILES = {
+    "fig05": ("fig05_driver_acceleration.png", "As the paper's Fig. 5: bump, acceleration of the driver"),
+    "fig06": ("fig06_observers.png", "As the paper's Fig. 6: bump, disturbance and its estimates"),
+    "fig07": ("fig07_force.png", "As the paper's Fig. 7: bump, saturated control force"),
+}
+
+
+def draw_figures(folder: Path, results: Mapping[str, Result], cases: Mapping[str, Case], mass: float) -> list[Path]:
+    """Draw the counterparts of the paper's Fig. 5, 6 and 7.
+
+    Parameters
+    ----------
+    folder
+        Where to; it exists.
+    results, cases, mass
+        As of :func:`figures`.
+
+    Returns
+    -------
+    list of Path
+        The PNG files.
+    """
+    for key, panels in figures(results, cases, mass).items():
+        name, title = _FILES[key]
+        draw(folder / name, f"{title}, {mass:g} kg driver", panels)
+    return [folder / name for name, _ in _FILES.values()]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 _STYLE: Any = {
     "axes.grid": True,
@@ -26,7 +27,10 @@ _STYLE: Any = {
     "legend.frameon": False,
     "legend.handlelength": 1.6,
     "lines.linewidth": 1.2,
+    "svg.hashsalt": "seat-cosim",
 }
+_NARROW = 6.0
+"""Figures less wide, in inches, have legends of two columns: they are for pages that a phone shows as well."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +45,30 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Axes with some curves; ``marks`` are horizontal lines by name, e.g. a limit."""
+    """Axes with some curves.
+
+    Attributes
+    ----------
+    label
+        Of the vertical axis.
+    x
+        Where the curves are, unless they say so themselves; its ends are those of the axis.
+    curves
+        What is drawn.
+    marks
+        Horizontal lines by name, e.g. a limit.
+    x_label
+        Of a horizontal axis of its own; the figure's where None.
+    limits
+        Ends of the vertical axis; what the curves need where None.
+    """
 
     label: str
     x: np.ndarray[Any, Any]
     curves: Sequence[Curve]
     marks: Mapping[str, float]
+    x_label: str | None = None
+    limits: tuple[float, float] | None = None
 
 
 def by_unit(
@@ -76,41 +98,74 @@ def by_unit(
     ]
 
 
-def draw(path: Path, title: str, panels: Sequence[Panel], x_label: str = "Time (s)", *, log: bool = False) -> None:
-    """Draw panels over one axis into a PNG.
+def draw(
+    path: Path,
+    title: str,
+    panels: Sequence[Panel],
+    x_label: str = "Time (s)",
+    *,
+    log: bool = False,
+    width: float = 7.0,
+    copies: Iterable[Path] = (),
+) -> None:
+    """Draw panels, one below the other; the same panels give the same bytes.
 
     Parameters
     ----------
     path
-        Where to; the folder exists.
+        Where to; its suffix, ``.png`` or ``.svg``, says what. The folder exists.
     title
         One line above.
     panels
         From top to bottom.
     x_label
-        Of the common axis.
+        Of the horizontal axis, which panels share unless one has its own.
     log
         Whether both axes are logarithmic.
+    width
+        In inches.
+    copies
+        Further files of the same figure.
     """
+    own = any(panel.x_label for panel in panels)
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(
-            len(panels), 1, sharex=True, squeeze=False, figsize=(7.0, 1.2 + 2.1 * len(panels)), layout="constrained"
+            len(panels),
+            1,
+            sharex=not own,
+            squeeze=False,
+            figsize=(width, 1.2 + 2.1 * len(panels)),
+            layout="constrained",
         )
         for axis, panel in zip(axes[:, 0], panels, strict=True):
-            for curve in panel.curves:
-                axis.plot(panel.x if curve.x is None else curve.x, curve.values, label=curve.name, **curve.style)
-            for name, level in panel.marks.items():
-                axis.axhline(level, color="0.5", linestyle=":", linewidth=1.0, label=name)
-            axis.set_ylabel(panel.label)
-            axis.set_xlim(panel.x[0], panel.x[-1])
-            if log:
-                axis.set_xscale("log")
-                axis.set_yscale("log")
-                axis.grid(which="minor", alpha=0.15)
-            if len(panel.curves) + len(panel.marks) > 1:
-                # above the axes, where it hides no curve
-                axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.0)
-        axes[-1, 0].set_xlabel(x_label)
+            _fill(axis, panel, log, 4 if width >= _NARROW else 2)
+            if own:
+                axis.set_xlabel(panel.x_label or x_label)
+        axes[-1, 0].set_xlabel(panels[-1].x_label or x_label)
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
-        figure.savefig(path, metadata={"Software": None})
+        for target in (path, *copies):
+            figure.savefig(target, metadata=_UNDATED[target.suffix])
         plt.close(figure)
+
+
+_UNDATED: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}
+"""What keeps times and versions out of files, by suffix."""
+
+
+def _fill(axis: Axes, panel: Panel, log: bool, columns: int) -> None:
+    """Draw one panel, the legend in so many columns."""
+    for curve in panel.curves:
+        axis.plot(panel.x if curve.x is None else curve.x, curve.values, label=curve.name, **curve.style)
+    for name, level in panel.marks.items():
+        axis.axhline(level, color="0.5", linestyle=":", linewidth=1.0, label=name)
+    axis.set_ylabel(panel.label)
+    axis.set_xlim(panel.x[0], panel.x[-1])
+    if panel.limits is not None:
+        axis.set_ylim(*panel.limits)
+    if log:
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.grid(which="minor", alpha=0.15)
+    if len(panel.curves) + len(panel.marks) > 1:
+        # above the axes, where it hides no curve
+        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.0)

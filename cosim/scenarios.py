@@ -1,6 +1,6 @@
 """What this project runs: the seat suspension's wiring, and the excitations with their defaults.
 
-With :mod:`cosim.bump` the only module of this package that knows signal names of the components.
+With :mod:`cosim.bump` and :mod:`cosim.paper` all that knows signal names of the components in this package.
 """
 
 from __future__ import annotations

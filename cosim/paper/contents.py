@@ -1,0 +1,125 @@
+"""The paper's figures and tables that are reproduced: number, title, and what the paper says with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A figure or table of the paper.
+
+    Attributes
+    ----------
+    key
+        Name of its files.
+    number
+        As printed.
+    title
+        A short one, of ours.
+    claim
+        What the paper says with it.
+    """
+
+    key: str
+    number: str
+    title: str
+    claim: str
+
+
+CONTENTS = [
+    Entry(
+        "table1",
+        "Table 1",
+        "Parameters of the simulation",
+        "The plant, the limits and the design's numbers.",
+    ),
+    Entry(
+        "fig05",
+        "Fig. 5",
+        "Bump: acceleration of the driver",
+        "Uncontrolled, a big peak of about 4 m/s²; both observers lower it, and with Observer 2 it fades sooner.",
+    ),
+    Entry(
+        "fig06",
+        "Fig. 6",
+        "Bump: disturbance and its estimates",
+        "Observer 2 follows the disturbance better, but has the bigger peak because the actuator saturates.",
+    ),
+    Entry(
+        "fig07",
+        "Fig. 7",
+        "Bump: saturated control force",
+        "The force stops at the limit of 250 N.",
+    ),
+    Entry(
+        "fig08",
+        "Fig. 8",
+        "Simulated transmissibility",
+        "With Observer 1 the transmissibility of the acceleration stays around 0.4 at low frequency.",
+    ),
+    Entry(
+        "fig10",
+        "Fig. 10",
+        "Measured transmissibility, 55 kg",
+        "The controlled seat isolates at low frequency, as far as 4.5 Hz. The uncontrolled seat holds the resonance down "
+        "better than the passive one, which is a little better from 2.5 to 4.5 Hz.",
+    ),
+    Entry(
+        "fig11",
+        "Fig. 11",
+        "Measured bump, 55 kg",
+        "The peak falls from 2.02 m/s² (passive) to 1.32 m/s² (controlled).",
+    ),
+    Entry(
+        "fig12",
+        "Fig. 12",
+        "Measured bump, 70 kg",
+        "The peak falls from 2.33 m/s² (passive) to 1.03 m/s² (controlled).",
+    ),
+    Entry(
+        "fig13",
+        "Fig. 13",
+        "Measured random ride, 55 kg",
+        "The uncontrolled seat peaks at about 6 m/s², as friction cannot hold its resonance; the passive seat can, but "
+        "shakes more elsewhere; the controlled seat stays low throughout. (The caption says 50 kg, text and Table 2 say 55.)",
+    ),
+    Entry(
+        "fig14",
+        "Fig. 14",
+        "Measured random ride, 70 kg",
+        "As Fig. 13, with the heavier driver.",
+    ),
+    Entry(
+        "fig15",
+        "Fig. 15",
+        "Spectra of the random ride, 55 kg",
+        "The passive and the uncontrolled seat have a big peak around 2 Hz and little above; the controlled seat is low "
+        "at all frequencies.",
+    ),
+    Entry(
+        "fig16",
+        "Fig. 16",
+        "Spectra of the random ride, 70 kg",
+        "As Fig. 15, with the heavier driver.",
+    ),
+    Entry(
+        "table2",
+        "Table 2",
+        "RMS acceleration in the random ride",
+        "Control lowers the RMS acceleration, against the passive seat, by 45.5 % (55 kg) and 49.5 % (70 kg).",
+    ),
+    Entry(
+        "fig18",
+        "Fig. 18",
+        "Friction loops, 5 and 10 mm at 0.5 Hz",
+        "In the testing machine, friction follows the direction of motion and saturates around 80 N.",
+    ),
+    Entry(
+        "fig19",
+        "Fig. 19",
+        "The friction model at a reversal",
+        "The model (35)-(36) with the identified parameters describes the measured friction.",
+    ),
+]
+"""In the order of the report."""

@@ -1,0 +1,47 @@
+"""All experiments, in the order of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from cosim.paper.contents import CONTENTS
+from cosim.paper.finding import Finding
+from cosim.paper.friction import friction_loops
+from cosim.paper.lab import Lab
+from cosim.paper.ride import measured_bumps, random_ride
+from cosim.paper.settings import parameters
+from cosim.paper.simulation import simulated_bump
+from cosim.paper.transmissibility import measured_transmissibility, simulated_transmissibility
+
+EXPERIMENTS: dict[str, Callable[[Lab], Iterator[Finding]]] = {
+    "parameters": parameters,
+    "simulated bump": simulated_bump,
+    "simulated transmissibility": simulated_transmissibility,
+    "measured transmissibility": measured_transmissibility,
+    "measured bumps": measured_bumps,
+    "random ride": random_ride,
+    "friction": friction_loops,
+}
+"""What is run, by name."""
+
+
+def findings(lab: Lab, report: Callable[[str], None] = lambda text: None) -> list[Finding]:
+    """Make them all.
+
+    Parameters
+    ----------
+    lab
+        Where to.
+    report
+        Called with what is being run.
+
+    Returns
+    -------
+    list of Finding
+        One for each entry of :data:`cosim.paper.contents.CONTENTS`, in that order.
+    """
+    found: dict[str, Finding] = {}
+    for number, (name, experiment) in enumerate(EXPERIMENTS.items(), 1):
+        report(f"{number} of {len(EXPERIMENTS)}, {name}")
+        found |= {finding.key: finding for finding in experiment(lab)}
+    return [found[entry.key] for entry in CONTENTS]
