@@ -307,15 +307,15 @@ Status instance_step(Instance *it, const char *function, double time, double ste
         return STATUS_ERROR;
     }
     const ModelInputs inputs = model_inputs(it->values);
-    ModelState state = it->state; /* the instance stays as it is unless all goes well */
+    const ModelState before = it->state; /* the instance stays as it is unless all goes well */
     ModelOutputs outputs;
     double values[VARIABLE_COUNT];
-    model_advance(&state, &inputs, &it->coefficients, time, step_size, &outputs);
+    model_advance(&it->state, &inputs, &it->coefficients, time, step_size, &outputs);
     model_store_outputs(&outputs, values);
     if (check_finite(it, function, STATUS_ERROR, values, FIRST_OUTPUT, OUTPUT_COUNT) != STATUS_OK) {
+        it->state = before;
         return STATUS_ERROR;
     }
-    it->state = state;
     memcpy(it->values + FIRST_OUTPUT, values + FIRST_OUTPUT, OUTPUT_COUNT * sizeof *values);
     it->values[0] = time + step_size;
     return STATUS_OK;
