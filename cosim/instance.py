@@ -76,6 +76,8 @@ class Port:
         What transforms values on their way from the table; both None where they stay as they are.
     discrete
         Whether the variables are discrete outputs.
+    direct
+        Whether the FMU writes into the table itself, of which ``buffer`` is a part.
     """
 
     access: Access
@@ -83,6 +85,7 @@ class Port:
     factors: np.ndarray[Any, Any] | None = None
     offsets: np.ndarray[Any, Any] | None = None
     discrete: bool = False
+    direct: bool = False
 
 
 @dataclass(frozen=True)
@@ -278,16 +281,23 @@ class Instance(ABC):
     ) -> Port:
         transformations = [places[name][1] for name in names]
         identical = all(transformation == IDENTITY for transformation in transformations)
+        found = np.array([places[name][0] for name in names], dtype=np.int64)
+        begin, end = int(found[0]), int(found[0]) + len(found)
+        direct = direction == "Get" and self.C_TYPES[kind] is ctypes.c_double and found.tolist() == [*range(begin, end)]
         return Port(
-            access=self._accessor(direction, kind, names),
-            places=np.array([places[name][0] for name in names], dtype=np.int64),
+            access=self._accessor(direction, kind, names, self._table[begin:end] if direct else None),
+            places=found,
             factors=None if identical else np.array([t.factor for t in transformations]),
             offsets=None if identical else np.array([t.offset for t in transformations]),
             discrete=discrete,
+            direct=direct,
         )
 
-    def _accessor(self, direction: str, kind: str, names: Sequence[str]) -> Access:
-        buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
+    def _accessor(
+        self, direction: str, kind: str, names: Sequence[str], buffer: np.ndarray[Any, Any] | None = None
+    ) -> Access:
+        if buffer is None:
+            buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
         references = (ctypes.c_uint * len(names))(*(self.model.variables[name].valueReference for name in names))
         pointer = buffer.ctypes.data_as(ctypes.POINTER(self.C_TYPES[kind]))
         function = f"{self.PREFIX}{direction}{kind}"
@@ -310,7 +320,8 @@ class Instance(ABC):
         for port in self._outputs:
             if discrete is None or port.discrete is discrete:
                 port.access.call()
-                self._table[port.places] = port.access.buffer
+                if not port.direct:
+                    self._table[port.places] = port.access.buffer
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
 

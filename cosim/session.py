@@ -145,8 +145,7 @@ class Session:
         ready = self._prepared(
             stop_time, step_size, None if record is None else tuple(record), algorithm, record_every, loop
         )
-        values = self._system.check(parameters or {})
-        self._initialise(ready, values)
+        self._set_up(ready, parameters or {})
         pacer = Pacer(ready.plan.clock) if real_time else None
         with ready.recorder.recording(keep, sinks):
             ended: Exception | None = None
@@ -209,8 +208,9 @@ class Session:
             raise SetupError("loop: expected FMUs that can be called from C, got one in a process of its own")
         return _Preparation(plan, recorder, PythonLoop(plan, recorder))
 
-    def _initialise(self, ready: _Preparation, values: Mapping[str, Mapping[str, float | str]]) -> None:
+    def _set_up(self, ready: _Preparation, parameters: Mapping[str, Value]) -> None:
         """Start all FMUs and pass initial outputs along the connections until they settle."""
+        values = self._system.check(parameters)
         self._table[:] = 0.0
         ready.loop.done = 0
         for instance in self._instances.values():

@@ -103,7 +103,7 @@ def _port(port: Port) -> ctypes.Structure:
         function=_function(port.access.function),
         references=ctypes.addressof(port.access.references),
         buffer=_address(port.access.buffer),
-        places=_address(port.places),
+        places=None if port.direct else _address(port.places),
         factors=_address(port.factors),
         offsets=_address(port.offsets),
         count=len(port.places),

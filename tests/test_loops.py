@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
+import threading
 import time
 import tracemalloc
 from collections.abc import Callable, Sequence
@@ -304,6 +307,18 @@ def test_faults_say_the_same_and_keep_the_same_rows(
 
 def test_a_warning_goes_on(echo: dict[int, Path]):
     assert both(pair(echo), 0.2, H, {"b.fault": FAULTS.index("warning")}).complete
+
+
+def test_ctrl_c_ends_a_run_between_two_steps(echo: dict[int, Path]):
+    system = System()
+    system.add("a", echo[3])
+    timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    result = system.simulate(1000 * H, H, {"a.fault": FAULTS.index("slow")}, loop="c")
+    timer.join()
+    assert not result.complete
+    assert str(result.error) == f"interrupted at t = {len(result.time) * H:g} s"
+    assert result["a.count"].tolist() == [*range(1, len(result.time) + 1)]
 
 
 # ---- which loop ------------------------------------------------------------------------------------------------------
