@@ -15,19 +15,20 @@ from itertools import count
 from pathlib import Path
 from typing import Any, ClassVar
 
-import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException, printLogMessage
-from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2Terminated
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelVariable
 
+from cosim.archives import open_archive
 from cosim.errors import RunError, SetupError
 from cosim.model import KINDS, Model
+from cosim.stdout import printed
 from cosim.units import IDENTITY, Linear
 
-_WARNING, _FATAL = 1, 4
+_WARNING, _DISCARD, _ERROR, _FATAL = 1, 2, 3, 4
 _STATUS = dict(enumerate(("ok", "warning", "discard", "error", "fatal", "pending")))
 
 
@@ -95,22 +96,25 @@ class Instance(ABC):
         self.journal: deque[tuple[int, str]] = deque(maxlen=1000)
         self._inputs: list[Port] = []
         self._outputs: list[Port] = []
+        self._attributed: dict[str, str] = {}
         self._initialised = False
+        self._running = False
         self._dead = False
-        self.fmu: Any = None
-        with self.calling("load"), chdir(Path.cwd()):  # fmpy does not come back from the folder of one that fails
-            self.fmu = self.SLAVE(
-                guid=model.description.guid,
-                modelIdentifier=model.description.coSimulation.modelIdentifier,
-                unzipDirectory=str(folder),
-                instanceName=name,
-            )
+        self._time = 0.0
+        self.fmu = self.SLAVE.__new__(self.SLAVE)  # so that it is ours also if its making fails halfway
+        self.fmu.component = None
         try:
+            with self.calling("load"), chdir(Path.cwd()):  # fmpy does not come back from the folder of one that fails
+                self.fmu.__init__(
+                    guid=model.description.guid,
+                    modelIdentifier=model.description.coSimulation.modelIdentifier,
+                    unzipDirectory=str(folder),
+                    instanceName=name,
+                )
             with self.calling("instantiate"):
                 self._instantiate()
-        except RunError:
-            self.fmu.freeLibrary()
-            self._forget()
+        except BaseException:
+            self.free()
             raise
 
     # ---- what differs between versions -------------------------------------------------------------------------------
@@ -124,8 +128,8 @@ class Instance(ABC):
         """Set values and begin the initialisation of a run from 0 to ``stop_time``, in s."""
 
     @abstractmethod
-    def _do_step(self, time: float, step_size: float) -> None:
-        """Step from ``time`` by ``step_size``, both in s."""
+    def advance(self, time: float, step_size: float) -> None:
+        """Step from ``time`` by ``step_size``, both in s; nothing else."""
 
     def _forget(self) -> None:  # noqa: B027
         """Let go of what outlives the instance."""
@@ -133,28 +137,73 @@ class Instance(ABC):
     # ---- failures ----------------------------------------------------------------------------------------------------
 
     @contextmanager
-    def calling(self, call: str) -> Iterator[None]:
-        """Turn whatever goes wrong in a call before the first step into a :class:`RunError`."""
+    def calling(self, call: str, time: float = 0.0) -> Iterator[None]:
+        """Turn whatever goes wrong in a call outside the steps into a :class:`RunError`; note what is said meanwhile.
+
+        Parameters
+        ----------
+        call
+            Its name, for messages.
+        time
+            When, in s.
+        """
         try:
             yield
         except Exception as error:  # fmpy raises bare exceptions, too
-            raise self.failure(error, call) from error
+            raise self.failure(error, call, time) from error
+        finally:
+            self.listen(call, time)
+
+    def listen(self, call: str, time: float) -> None:
+        """Attribute to a call at a time in s what was printed and warned of since the last time."""
+        text, printing = printed(), f"printed to stdout in {call}"
+        if text and printing not in self._attributed:  # once a run is enough
+            message = f"{printing} at t = {time:g} s: {text}"
+            self._attributed.update({printing: printing, message: message})
+            self.journal.append((_WARNING, message))
+        for message in self._warned() if self.journal else ():
+            self._attributed.setdefault(message, f"{message} ({call}, t = {time:g} s)")
+
+    def passed(self, status: int, call: str, time: float) -> None:
+        """Take note of the status of a call that went well at a time in s, perhaps with a warning."""
+        if status == _WARNING and call not in self._attributed:
+            said = [message for message in self._warned() if message not in self._attributed]
+            if not said:
+                self.journal.append((_WARNING, f"{call} returned a warning"))
+            self._attributed[call] = call
+            self.listen(call, time)
 
     def failure(self, error: Exception, call: str, time: float = 0.0) -> RunError:
         """Describe a failed call: component, call, time in s, and what the FMU said about it."""
+        if isinstance(error, RunError):
+            return error
         status = ""
+        said = [message for status_, message in self.journal if status_ > _WARNING]
         if isinstance(error, FMICallException):
+            if error.status == _DISCARD and not said and self._ended():
+                return self.asked_to_end(error.function, time)
+            self._running = self._running and error.status < _ERROR  # after an error FMI allows reset and free only
             self._dead = self._dead or error.status == _FATAL
             call = error.function
             status = f" ({_STATUS.get(error.status, error.status)})"
-        said = [message for status_, message in self.journal if status_ > _WARNING]
         reason = " ".join((said[-1] if said else str(error)).split())
         return RunError(f"{self.name}: {call} failed at t = {time:g} s{status}: {reason}")
 
+    def asked_to_end(self, call: str, reached: float) -> RunError:
+        """Describe an FMU that asks in a call for the end of the run, having reached a time in s."""
+        return RunError(f"{self.name}: {call} asked to end the run at t = {reached:g} s")
+
+    def _ended(self) -> bool:
+        """Whether the FMU discarded a step because it asks for the end of the run."""
+        return False
+
+    def _warned(self) -> list[str]:
+        return [message for status, message in self.journal if status == _WARNING]
+
     @property
     def warnings(self) -> list[str]:
-        """What the FMU warned of so far, each text once."""
-        return list(dict.fromkeys(message for status, message in self.journal if status == _WARNING))
+        """What the FMU warned of so far, each text once, with call and time where they are known."""
+        return [self._attributed.get(message, message) for message in dict.fromkeys(self._warned())]
 
     # ---- wiring ------------------------------------------------------------------------------------------------------
 
@@ -240,9 +289,12 @@ class Instance(ABC):
         values
             Checked parameters and start values by variable name.
         """
+        if self._dead:
+            raise RunError(f"{self.name}: expected an FMU that can run again, got one that failed fatally")
         with self.calling("initialisation"):
             if self._initialised:
                 self.journal.clear()  # what was said in an earlier run is that run's
+                self._attributed.clear()
                 self.fmu.reset()
             self._initialised = True
             self._begin(stop_time, values)
@@ -257,24 +309,29 @@ class Instance(ABC):
         """Leave the initialisation."""
         with self.calling("initialisation"):
             self.fmu.exitInitializationMode()
+        self._running = True
 
     def step(self, time: float, step_size: float) -> None:
         """Take inputs, step from ``time`` by ``step_size`` (both in s), give outputs."""
         self.take_inputs()
-        self._do_step(time, step_size)
+        self.advance(time, step_size)
         self.give_outputs()
 
-    def terminate(self) -> None:
-        """End a run."""
-        if self._initialised and not self._dead:
-            with self.calling("terminate"):
+    def terminate(self, time: float = 0.0) -> None:
+        """End a run at a time in s; nothing where FMI does not allow it."""
+        self._time = time
+        if self._running and not self._dead:
+            self._running = False
+            with self.calling("terminate", time):
                 self.fmu.terminate()
 
     def free(self) -> None:
         """Free the instance and unload its library; after a fatal error FMI forbids the first."""
         with suppress(Exception):
-            if not self._dead:
+            if self.fmu.component and not self._dead:
                 getattr(self.fmu, f"{self.PREFIX}FreeInstance")(self.fmu.component)
+        with suppress(Exception):
+            self.listen("free", self._time)
         with suppress(Exception):
             self.fmu.freeLibrary()
         self._forget()
@@ -308,6 +365,8 @@ class Instance2(Instance):
     C_TYPES: ClassVar = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
     ACCESS: ClassVar = {"Enumeration": "Integer"}
 
+    _environment: int | None = None
+
     def _instantiate(self) -> None:
         self._environment = next(_environments)
         _journals[self._environment] = self.journal
@@ -323,11 +382,19 @@ class Instance2(Instance):
         self._set(values)
         self.fmu.enterInitializationMode()
 
-    def _do_step(self, time: float, step_size: float) -> None:
-        self.fmu.fmi2DoStep(self.fmu.component, time, step_size, 1)
+    def advance(self, time: float, step_size: float) -> None:  # noqa: D102
+        status = self.fmu.fmi2DoStep(self.fmu.component, time, step_size, 1)
+        if status:
+            self.passed(status, "fmi2DoStep", time)
+
+    def _ended(self) -> bool:
+        with suppress(FMICallException):
+            return bool(self.fmu.getBooleanStatus(fmi2Terminated))
+        return False
 
     def _forget(self) -> None:
-        _journals.pop(self._environment, None)
+        if self._environment is not None:
+            _journals.pop(self._environment, None)
 
 
 # ---- FMI 3 -----------------------------------------------------------------------------------------------------------
@@ -362,11 +429,13 @@ class Instance3(Instance):
         self._set(values)
         self.fmu.enterInitializationMode(startTime=0.0, stopTime=stop_time)
 
-    def _do_step(self, time: float, step_size: float) -> None:
+    def advance(self, time: float, step_size: float) -> None:  # noqa: D102
         flags = [ctypes.byref(flag) for flag in self._flags]
-        self.fmu.fmi3DoStep(self.fmu.component, time, step_size, True, *flags, ctypes.byref(self._reached))
+        status = self.fmu.fmi3DoStep(self.fmu.component, time, step_size, True, *flags, ctypes.byref(self._reached))
         if self._flags[1].value:
-            raise RunError(f"{self.name}: asked to end the run at t = {self._reached.value:g} s")
+            raise self.asked_to_end("fmi3DoStep", self._reached.value)
+        if status:
+            self.passed(status, "fmi3DoStep", time)
 
     def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
         return (*super()._arguments(references, count, pointer), count)
@@ -389,9 +458,12 @@ def extract(model: Model, folder: Path) -> None:
     Raises
     ------
     SetupError
-        If the archive is damaged or holds an illegal path.
+        If the archive is damaged or holds what it should not; then nothing is extracted.
     """
     try:
-        fmpy.extract(str(model.path), str(folder))
-    except Exception as error:  # zip errors, and fmpy's bare ones
+        with open_archive(model.path) as archive:
+            archive.extractall(folder)
+    except SetupError:
+        raise
+    except Exception as error:  # zip errors, unknown compression, a full disk
         raise SetupError(f"{model.path}: expected an archive that can be extracted, got: {error}") from error

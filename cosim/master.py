@@ -7,7 +7,7 @@ from typing import Protocol
 
 from cosim.clock import Clock
 from cosim.errors import RunError
-from cosim.instance import Instance
+from cosim.isolated import Slave
 
 
 class Observer(Protocol):
@@ -20,7 +20,7 @@ class Observer(Protocol):
         """Look at the values after all components have stepped from t_k."""
 
 
-def gauss_seidel(order: Sequence[Instance], clock: Clock, observers: Iterable[Observer]) -> None:
+def gauss_seidel(order: Sequence[Slave], clock: Clock, observers: Iterable[Observer]) -> None:
     """Step the components one after the other, each with the newest outputs of the others.
 
     Parameters

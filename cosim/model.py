@@ -12,6 +12,7 @@ from pathlib import Path
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
+from cosim.archives import open_archive
 from cosim.errors import SetupError
 from cosim.units import Unit
 
@@ -72,7 +73,10 @@ class Model:
         if not path.is_file():
             raise SetupError(f"{path}: expected an FMU, got no such file")
         try:
+            open_archive(path).close()
             description = fmpy.read_model_description(str(path), validate=False)
+        except SetupError:
+            raise
         except zipfile.BadZipFile:
             raise SetupError(f"{path}: expected an FMU (a zip archive), got another kind of file") from None
         except KeyError:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 
 from cosim.errors import SetupError
+from cosim.isolated import TIME_LIMIT
 from cosim.model import Value
 from cosim.results import Result
 from cosim.session import Session
@@ -50,9 +51,14 @@ class System(Structure):
         if problems:
             raise SetupError(*problems)
 
-    def open(self) -> Session:
-        """Load all FMUs, for one run or many; use it in a ``with`` statement."""
-        return Session(self)
+    def open(self, isolate: Iterable[str] = (), time_limit: float = TIME_LIMIT, divert_stdout: bool = True) -> Session:
+        """Load all FMUs, for one run or many; use it in a ``with`` statement.
+
+        Parameters are those of :class:`cosim.session.Session`: ``isolate`` names components whose FMUs run in processes
+        of their own, each call of them limited to ``time_limit`` s; what FMUs print becomes warnings, unless
+        ``divert_stdout`` is false.
+        """
+        return Session(self, isolate, time_limit, divert_stdout)
 
     def simulate(
         self,
@@ -61,8 +67,11 @@ class System(Structure):
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
         progress: Callable[[float], None] | None = None,
+        isolate: Iterable[str] = (),
+        time_limit: float = TIME_LIMIT,
+        divert_stdout: bool = True,
     ) -> Result:
-        """Load, run once, free; see :meth:`cosim.session.Session.run`."""
+        """Load, run once, free; see :meth:`open` and :meth:`cosim.session.Session.run`."""
         self.validate(stop_time, step_size, parameters, record)
-        with self.open() as session:
+        with self.open(isolate, time_limit, divert_stdout) as session:
             return session.run(stop_time, step_size, parameters, record, progress)
