@@ -15,26 +15,43 @@ from types import FrameType
 from typing import Any
 
 _handlers: list[Any] = []
-"""What an interrupt would have called, while it is held."""
+"""What an interrupt calls where it is not held, once for each session that watches."""
+
+_holding: list[None] = []
+"""As many as there are blocks that hold it."""
 
 _waiting: list[tuple[Any, ...]] = []
 """An interrupt that waits: what it would have called, and with what."""
 
 
 @contextmanager
-def held() -> Iterator[None]:
-    """Hold Ctrl-C back until :func:`check` or the end; the second one in a row is raised at once."""
+def watched() -> Iterator[None]:
+    """Let Ctrl-C be held in some parts of a block; only the main thread hears it."""
     handler = signal.getsignal(signal.SIGINT)
-    if not _in_main_thread() or not callable(handler) or handler is _hold:
+    if not _in_main_thread() or not callable(handler):
         yield
         return
-    _handlers.append(handler)
-    signal.signal(signal.SIGINT, _hold)
+    _handlers.append(_handlers[-1] if handler is _handle else handler)
+    signal.signal(signal.SIGINT, _handle)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, handler)
-        _handlers.pop()
+        last = _handlers.pop()
+        if not _handlers and signal.getsignal(signal.SIGINT) is _handle:
+            signal.signal(signal.SIGINT, last)
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Hold Ctrl-C back until :func:`check` or the end of the block; the second one in a row is raised at once."""
+    if not _in_main_thread():
+        yield
+        return
+    _holding.append(None)
+    try:
+        yield
+    finally:
+        _holding.pop()
         check()
 
 
@@ -51,10 +68,10 @@ def check() -> None:
         handler(*arguments)
 
 
-def _hold(number: int, frame: FrameType | None) -> None:
-    insisting = bool(_waiting)
+def _handle(number: int, frame: FrameType | None) -> None:
+    at_once = bool(_waiting) or not _holding
     _waiting[:] = [(_handlers[-1], number, frame)]
-    if insisting:
+    if at_once:
         check()
 
 

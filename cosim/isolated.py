@@ -1,8 +1,9 @@
 """An FMU in a process of its own: if it crashes or hangs, that process ends, and ours goes on.
 
 The process is :mod:`cosim.worker`, which runs an :class:`cosim.instance.Instance` and is asked through a socket.
-A step is one question and one answer: time, step size and inputs there, outputs back, as raw float64. That costs 50 to
-60 us on the developers' machine (``benchmarks/isolation.py``), nearly all of it two switches between processes.
+A step is one question and one answer: time, step size and inputs there, outputs back, as raw float64. That costs 100 to
+170 us more than a step in this process on a busy machine with two cores (``benchmarks/isolation.py``), a quarter of it
+for the bytes to go there and back, the rest mostly for waking up.
 """
 
 from __future__ import annotations

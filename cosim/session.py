@@ -13,7 +13,7 @@ import numpy as np
 from cosim.clock import Clock
 from cosim.errors import CosimError, RunError, SetupError
 from cosim.instance import extract, instantiate
-from cosim.interrupts import check, held
+from cosim.interrupts import check, held, watched
 from cosim.isolated import MAX_TIME_LIMIT, TIME_LIMIT, IsolatedInstance, Slave
 from cosim.master import Observer, gauss_seidel
 from cosim.model import Model, Value, nearest
@@ -160,6 +160,7 @@ class Session:
     def __enter__(self) -> Session:
         """Extract, instantiate and wire all FMUs."""
         self._diversion = Diversion() if self._divert else None
+        self._stack.enter_context(watched())
         try:
             with self._careful():
                 for name, model in self._system.models.items():

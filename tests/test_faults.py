@@ -21,7 +21,7 @@ import pytest
 from faulty import faulty_fmu
 
 from cosim import RunError, SetupError, System, archives, isolated
-from cosim.interrupts import held
+from cosim.interrupts import held, watched
 
 H = 0.01
 STRIKE = 10
@@ -358,7 +358,7 @@ def test_a_second_ctrl_c_does_not_wait():
     reached = []
 
     def insist() -> None:
-        with held():
+        with watched(), held():
             for time in (1, 2, 3):
                 reached.append(time)
                 signal.raise_signal(signal.SIGINT)
