@@ -92,6 +92,12 @@ static void platform_motion(const shaker_state *state, double since, shaker_outp
     floor->floor_acceleration = acceleration;
 }
 
+/* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
+static double flushed(double state)
+{
+    return fabs(state) < 1e-30 ? 0.0 : state;
+}
+
 /* Go to the next tick. */
 static void go_on(shaker_state *state, const coefficients_t *c)
 {
@@ -101,8 +107,8 @@ static void go_on(shaker_state *state, const coefficients_t *c)
         noise_advance(state->modes, &c->noise, c->stream, state->tick);
     }
     state->tick += 1.0;
-    state->platform_displacement = floor.floor_displacement;
-    state->platform_velocity = floor.floor_velocity;
+    state->platform_displacement = flushed(floor.floor_displacement);
+    state->platform_velocity = flushed(floor.floor_velocity);
     accelerate(state, c);
 }
 
