@@ -14,7 +14,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.cli_design import design
-from cosim.cli_options import run_options, set_option, settings_of
+from cosim.cli_options import parameter_sets, parameters_option, run_options, set_option, settings_of
 from cosim.cli_rerun import rerun
 from cosim.cli_simulate import simulate
 from cosim.console import command_line, conclude, console, progress_shown
@@ -159,7 +159,13 @@ def fmus(folder: Path) -> None:
 @_mass_option
 @click.option("--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json.")
 @click.option("--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1].")
-@click.option("--control", "switch", type=click.Choice(["on", "off"]), help="Controller on or off [default: on].")
+@click.option(
+    "--control",
+    "switch",
+    type=click.Choice(["on", "off", "passive"]),
+    help="Controller on or off; passive: off, in the well-tuned passive seat [default: on].",
+)
+@parameters_option
 @set_option
 @click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
@@ -173,6 +179,7 @@ def run(
     gains: str | None,
     number: str | None,
     switch: str | None,
+    parameter_files: tuple[str, ...],
     settings: tuple[str, ...],
     stop_time: float | None,
     step_size: float | None,
@@ -191,15 +198,18 @@ def run(
       seat-cosim run bump --driver-mass 110 --gains recommended
       seat-cosim run sine --set shaker.sine.frequency=2 --control off --output results/sine2
       seat-cosim run random --set shaker.random.class=EM5 --set shaker.random.seed=7
+      seat-cosim run random --parameters ride --control passive
       seat-cosim run file --set shaker.file.path=/data/cab_floor.csv --stop-time 120
     """
     chosen = SCENARIOS[scenario]
     stop_time = chosen.stop_time if stop_time is None else stop_time
     system = seat_suspension(fmus_folder / flavour)
     parameters = dict(chosen.parameters)
+    parameters |= parameter_sets(parameter_files, system)
     parameters |= _gains(gains) if gains else {}
     parameters |= _observer(int(number)) if number else {}
     parameters |= control(switch == "on") if switch else {}
+    parameters |= parameter_sets(["passive"], system) if switch == "passive" else {}
     parameters |= _driver(driver_mass)
     parameters |= settings_of(settings)
     folder = output or Path("results", "run", scenario)

@@ -106,6 +106,7 @@ def draw(
     *,
     log: bool = False,
     width: float = 7.0,
+    dpi: float | None = None,
     copies: Iterable[Path] = (),
 ) -> None:
     """Draw panels, one below the other; the same panels give the same bytes.
@@ -124,6 +125,8 @@ def draw(
         Whether both axes are logarithmic.
     width
         In inches.
+    dpi
+        Pixels an inch where not the usual ones.
     copies
         Further files of the same figure.
     """
@@ -144,7 +147,7 @@ def draw(
         axes[-1, 0].set_xlabel(panels[-1].x_label or x_label)
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
         for target in (path, *copies):
-            figure.savefig(target, metadata=_UNDATED[target.suffix])
+            figure.savefig(target, dpi=dpi or "figure", metadata=_UNDATED[target.suffix])
         plt.close(figure)
 
 
