@@ -6,11 +6,12 @@ With :mod:`cosim.bump` the only module of this package that knows signal names o
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cosim.errors import SetupError
 from cosim.model import Value
+from cosim.subject import Ports, Subject
 from cosim.system import System
 
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
@@ -108,3 +109,53 @@ def observer(gamma: float) -> dict[str, Value]:
 def control(on: bool) -> dict[str, Value]:
     """Switch the controller on or off."""
     return {"controller.enabled": on}
+
+
+PASSIVE: dict[str, Value] = {
+    **control(False),
+    "seat.suspension_damping": 600.0,
+    "seat.friction.alpha": 123_394.0,
+}
+"""PLACEHOLDER for a well-tuned passive seat: 600 N s/m, and friction with a plateau of 30 N instead of 75.3 N. Nothing
+of the paper's passive seat is published."""
+
+
+def ports(shaker: str = "shaker") -> Ports:
+    """Name what an evaluation takes of the seat suspension.
+
+    Parameters
+    ----------
+    shaker
+        What the component is called that is our Shaker.
+    """
+    return Ports(
+        floor=f"{shaker}.floor_acceleration",
+        seat="seat.driver_acceleration",
+        driver_mass=tuple(driver_mass(0.0)),
+        excitation={f"{shaker}.profile": "random"},
+        excitation_class=f"{shaker}.random.class",
+        seed=f"{shaker}.random.seed",
+        deflection="seat.suspension_deflection",
+        force="controller.force",
+        travel="seat.end_stop.travel",
+    )
+
+
+def passive_seat(folder: Path, parameters: Mapping[str, Value] = PASSIVE) -> Subject:
+    """Take the passive seat to an evaluation.
+
+    Parameters
+    ----------
+    folder
+        Where the three FMUs lie.
+    parameters
+        What makes the seat suspension a passive one.
+
+    Raises
+    ------
+    SetupError
+        If an FMU is missing.
+    """
+    system = seat_suspension(folder)
+    system.parameters |= parameters
+    return Subject("passive seat", system, replace(ports(), force=None))
