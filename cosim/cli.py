@@ -15,7 +15,7 @@ from rich.table import Table
 
 from cosim.cli_design import design
 from cosim.cli_evaluate import evaluate
-from cosim.cli_options import run_options, set_option, settings_of
+from cosim.cli_options import parameter_sets, parameters_option, run_options, set_option, settings_of
 from cosim.cli_rerun import rerun
 from cosim.cli_seat import (
     control_option,
@@ -142,6 +142,7 @@ def fmus(folder: Path) -> None:
 @gains_option
 @observer_option
 @control_option
+@parameters_option
 @set_option
 @click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
@@ -155,6 +156,7 @@ def run(
     gains: str | None,
     number: str | None,
     switch: str | None,
+    parameter_files: tuple[str, ...],
     settings: tuple[str, ...],
     stop_time: float | None,
     step_size: float | None,
@@ -173,15 +175,18 @@ def run(
       seat-cosim run bump --driver-mass 110 --gains recommended
       seat-cosim run sine --set shaker.sine.frequency=2 --control off --output results/sine2
       seat-cosim run random --set shaker.random.class=EM5 --set shaker.random.seed=7
+      seat-cosim run random --parameters ride --control passive
       seat-cosim run file --set shaker.file.path=/data/cab_floor.csv --stop-time 120
     """
     chosen = SCENARIOS[scenario]
     stop_time = chosen.stop_time if stop_time is None else stop_time
     system = seat_suspension(fmus_folder / flavour)
     parameters = dict(chosen.parameters)
+    parameters |= parameter_sets(parameter_files, system)
     parameters |= gains_of(gains) if gains else {}
     parameters |= observer_of(int(number)) if number else {}
     parameters |= control(switch == "on") if switch else {}
+    parameters |= parameter_sets(["passive"], system) if switch == "passive" else {}
     parameters |= _driver(driver_mass)
     parameters |= settings_of(settings)
     folder = output or Path("results", "run", scenario)

@@ -11,7 +11,7 @@ import click
 from rich.box import SIMPLE
 from rich.table import Table
 
-from cosim.cli_options import assignments, set_option, settings_of
+from cosim.cli_options import assignments, parameter_sets, parameters_option, set_option, settings_of
 from cosim.cli_seat import (
     control_option,
     flavour_option,
@@ -23,9 +23,8 @@ from cosim.cli_seat import (
 )
 from cosim.console import command_line, console, progress_shown, stderr
 from cosim.editing import edit
-from cosim.errors import SetupError
-from cosim.scenarios import PASSIVE, control, passive_seat, ports, seat_suspension
-from cosim.ssp import read_parameters
+from cosim.errors import SetupError, writing_to
+from cosim.scenarios import control, passive_seat, ports, seat_suspension
 from cosim.subject import Subject
 from cosim.system import System
 
@@ -38,9 +37,9 @@ _PORTS = ports()
 
 _LIMITS = "The SEAT limits are those of ISO 7096 as recalled: check them in the standard before relying on them."
 _MODEL = "Everything is computed by co-simulation; no person and no seat was measured."
-_PLACEHOLDER = (
-    "The passive seat is a placeholder, the same seat with a damper of 600 N s/m and 30 N of friction: "
-    "nothing of the paper's passive seat is published."
+_PASSIVE = (
+    "The passive seat is not the paper's, of which nothing is published: its damping is fitted on one of its numbers, "
+    "its friction is assumed; docs/calibration.md tells how."
 )
 _NAMED = {"gains": "gains", "Observer": "number", "control": "switch"}
 """What a system's title says of the choices: word to option."""
@@ -57,7 +56,7 @@ _NAMED = {"gains": "gains", "Observer": "number", "control": "switch"}
 @observer_option
 @control_option
 @click.option("--replace", multiple=True, metavar="COMPONENT=FILE.fmu", help="Put another FMU in a component's place.")
-@click.option("--parameters", type=click.Path(path_type=Path), multiple=True, metavar="FILE.ssv", help="Parameters.")
+@parameters_option
 @set_option
 @click.option("--seat-signal", metavar="A.x", help=f"Acceleration where the driver sits [default: {_PORTS.seat}].")
 @click.option("--floor-signal", metavar="A.x", help=f"Acceleration of the floor [default: {_PORTS.floor}].")
@@ -75,7 +74,7 @@ _NAMED = {"gains": "gains", "Observer": "number", "control": "switch"}
     "--travel-parameter", metavar="A.x", help=f"Travel to the end stops [default: {_PORTS.travel}, if there]."
 )
 @click.option(
-    "--passive", "passive_file", type=click.Path(path_type=Path), metavar="FILE.ssv", help="The passive seat."
+    "--passive", metavar="FILE.ssv|NAME", default="passive", show_default=True, help="What makes the passive seat."
 )
 @click.option("--processes", type=click.IntRange(min=1), metavar="N", help="[default: one for each core]")
 @flavour_option
@@ -90,7 +89,7 @@ def evaluate(
     mass_parameters: tuple[str, ...],
     shaker: str,
     travel_parameter: str | None,
-    passive_file: Path | None,
+    passive: str,
     processes: int | None,
     flavour: str,
     fmus_folder: Path,
@@ -111,6 +110,7 @@ def evaluate(
       seat-cosim evaluate Chair.ssp --seat-signal chair.acc --driver-mass-parameter chair.load
     """
     from cosim.certificate import verdict, write
+    from cosim.evaluation import check
     from cosim.evaluation import evaluate as evaluate_all
 
     names = {
@@ -126,9 +126,16 @@ def evaluate(
     system = System.load(file) if file else seat_suspension(seats)
     _change(system, choices)
     found = ports(shaker).found_in(system, {name: text for name, text in names.items() if text})
-    passive = passive_seat(seats, read_parameters(passive_file, seat_suspension(seats)) if passive_file else PASSIVE)
-    subjects = [Subject(_title(system, choices), system, found), passive]
-    folder = output or Path("results", "evaluate", file.stem if file else "SeatSuspension")
+    reference = seat_suspension(seats)
+    subjects = [
+        Subject(_title(system, choices), system, found),
+        passive_seat(reference, parameter_sets([passive], reference)),
+    ]
+    for subject in subjects:
+        check(subject, protocol)
+    folder = output or Path("results", "evaluate", file.stem if file else system.name)
+    with writing_to(folder):
+        folder.mkdir(parents=True, exist_ok=True)
     with progress_shown("evaluating") as report:
         evaluations = evaluate_all(
             subjects,
@@ -137,7 +144,7 @@ def evaluate(
             lambda done, of: report(f"{done} of {of} classes"),
         )
         report("page")
-        notes = [_MODEL, _LIMITS, *([] if passive_file else [_PLACEHOLDER])]
+        notes = [_MODEL, _LIMITS, *([_PASSIVE] if passive == "passive" else [])]
         files = write(folder, evaluations, protocol, command_line(), notes)
     for evaluation in evaluations:
         _print(evaluation, protocol)
@@ -171,11 +178,11 @@ def _listed(option: str, text: str, kind: Callable[[str], T], what: str) -> tupl
 def _change(system: System, choices: dict[str, Any]) -> None:
     """Put in other FMUs and give parameters, later ones over earlier."""
     edit(system, assignments("--replace", choices["replace"], "COMPONENT=FILE.fmu"), (), ())
-    for path in choices["parameters"]:
-        system.parameters |= read_parameters(path, system)
+    system.parameters |= parameter_sets(choices["parameter_files"], system)
     system.parameters |= gains_of(choices["gains"]) if choices["gains"] else {}
     system.parameters |= observer_of(int(choices["number"])) if choices["number"] else {}
     system.parameters |= control(choices["switch"] == "on") if choices["switch"] else {}
+    system.parameters |= parameter_sets(["passive"], system) if choices["switch"] == "passive" else {}
     system.parameters |= settings_of(choices["settings"])
     system.check({})
 
@@ -183,7 +190,8 @@ def _change(system: System, choices: dict[str, Any]) -> None:
 def _title(system: System, choices: dict[str, Any]) -> str:
     """Name a system by what was changed of it."""
     words = [f"{name} {choices[key]}" for name, key in _NAMED.items() if choices[key]]
-    words += [text.partition("=")[2].rpartition("/")[2].removesuffix(".fmu") for text in choices["replace"]]
+    words += [Path(text).stem for text in choices["parameter_files"]]
+    words += [Path(text.partition("=")[2].strip()).stem for text in choices["replace"]]
     return ", ".join([system.name, *words])
 
 

@@ -11,6 +11,10 @@ import click
 
 from cosim.errors import SetupError
 from cosim.formats import FORMATS
+from cosim.model import Value
+from cosim.ssp import read_parameters
+from cosim.structure import Structure
+from plant_models.parameter_sets import NAMES, path
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -28,6 +32,14 @@ _RUN_OPTIONS = (
 
 set_option = click.option(
     "--set", "settings", multiple=True, metavar="COMPONENT.VARIABLE=VALUE", help="Any parameter; wins."
+)
+
+parameters_option = click.option(
+    "--parameters",
+    "parameter_files",
+    multiple=True,
+    metavar="FILE.ssv|NAME",
+    help="Parameters: a file, or a set that comes along (passive, prototype, ride); repeatable, later wins.",
 )
 
 
@@ -65,6 +77,20 @@ def assignments(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
 def settings_of(texts: Iterable[str]) -> dict[str, str]:
     """Read the words of ``--set``."""
     return assignments("--set", texts, "COMPONENT.VARIABLE=VALUE")
+
+
+def parameter_sets(words: Iterable[str], system: Structure) -> dict[str, Value]:
+    """Read the words of ``--parameters``: files, or names of sets that come along.
+
+    Raises
+    ------
+    SetupError
+        With all problems of the first file that has any.
+    """
+    found: dict[str, Value] = {}
+    for word in words:
+        found |= read_parameters(path(word) if word in NAMES else word, system)
+    return found
 
 
 def seconds(option: str, texts: Iterable[str]) -> dict[str, float]:

@@ -32,7 +32,10 @@ observer_option = click.option(
     "--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1]."
 )
 control_option = click.option(
-    "--control", "switch", type=click.Choice(["on", "off"]), help="Controller on or off [default: on]."
+    "--control",
+    "switch",
+    type=click.Choice(["on", "off", "passive"]),
+    help="Controller on or off; passive: off, in the well-tuned passive seat [default: on].",
 )
 
 

@@ -10,15 +10,21 @@ import click
 from rich.box import SIMPLE
 from rich.table import Table
 
-from cosim.cli_options import assignments, run_options, seconds, set_option, settings_of
+from cosim.cli_options import (
+    assignments,
+    parameter_sets,
+    parameters_option,
+    run_options,
+    seconds,
+    set_option,
+    settings_of,
+)
 from cosim.console import command_line, conclude, console, progress_shown
 from cosim.editing import edit, parse_source
 from cosim.errors import SetupError
 from cosim.exchange import delay
-from cosim.model import Value
 from cosim.results import Result
 from cosim.run_folder import run_to_folder
-from cosim.ssp import read_parameters
 from cosim.structure import ALGORITHMS, Algorithm
 from cosim.system import System
 
@@ -33,7 +39,7 @@ from cosim.system import System
     help="Feed input B.y with output A.x; FACTOR*A.x+OFFSET transforms its values.",
 )
 @click.option("--disconnect", multiple=True, metavar="B.y", help="Free input B.y.")
-@click.option("--parameters", type=click.Path(path_type=Path), multiple=True, metavar="FILE.ssv", help="Parameters.")
+@parameters_option
 @set_option
 @click.option("--stop-time", type=float, metavar="S", help="[default: the system's]")
 @click.option("--step-size", type=float, metavar="S", help="Communication step [default: the system's]")
@@ -49,7 +55,7 @@ def simulate(
     replace: tuple[str, ...],
     connect: tuple[str, ...],
     disconnect: tuple[str, ...],
-    parameters: tuple[Path, ...],
+    parameter_files: tuple[str, ...],
     settings: tuple[str, ...],
     stop_time: float | None,
     step_size: float | None,
@@ -74,10 +80,7 @@ def simulate(
     system = System.load(file)
     replacements = assignments("--replace", replace, "COMPONENT=FILE.fmu")
     edit(system, replacements, disconnect, [_connection(text) for text in connect])
-    given: dict[str, Value] = {}
-    for path in parameters:
-        given |= read_parameters(path, system)
-    system.parameters |= given | settings_of(settings)
+    system.parameters |= parameter_sets(parameter_files, system) | settings_of(settings)
     system.stop_time = system.stop_time if stop_time is None else stop_time
     system.step_size = system.step_size if step_size is None else step_size
     system.component_steps |= seconds("--component-step", component_step)

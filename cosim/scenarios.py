@@ -111,15 +111,6 @@ def control(on: bool) -> dict[str, Value]:
     return {"controller.enabled": on}
 
 
-PASSIVE: dict[str, Value] = {
-    **control(False),
-    "seat.suspension_damping": 600.0,
-    "seat.friction.alpha": 123_394.0,
-}
-"""PLACEHOLDER for a well-tuned passive seat: 600 N s/m, and friction with a plateau of 30 N instead of 75.3 N. Nothing
-of the paper's passive seat is published."""
-
-
 def ports(shaker: str = "shaker") -> Ports:
     """Name what an evaluation takes of the seat suspension.
 
@@ -141,21 +132,15 @@ def ports(shaker: str = "shaker") -> Ports:
     )
 
 
-def passive_seat(folder: Path, parameters: Mapping[str, Value] = PASSIVE) -> Subject:
-    """Take the passive seat to an evaluation.
+def passive_seat(system: System, parameters: Mapping[str, Value]) -> Subject:
+    """Take a passive seat to an evaluation.
 
     Parameters
     ----------
-    folder
-        Where the three FMUs lie.
+    system
+        From :func:`seat_suspension`.
     parameters
-        What makes the seat suspension a passive one.
-
-    Raises
-    ------
-    SetupError
-        If an FMU is missing.
+        What makes it a passive one, beside its controller being off.
     """
-    system = seat_suspension(folder)
-    system.parameters |= parameters
+    system.parameters |= {**control(False), **parameters}
     return Subject("passive seat", system, replace(ports(), force=None))

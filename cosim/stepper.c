@@ -19,6 +19,7 @@
 enum { WORST_ACCEPTED = 1 }; /* a warning: FMI 2.0 and 3.0 number their status alike */
 
 typedef void (*Function)(void); /* of an FMU; called by its own type */
+typedef void Notice(void);      /* of the world outside */
 
 typedef int Access2(void *instance, const uint32_t *references, size_t count, void *values);
 typedef int Access3(void *instance, const uint32_t *references, size_t count, void *values, size_t value_count);
@@ -42,6 +43,7 @@ typedef struct {
     const int64_t *places;           /* NULL of an output that is read right into the table */
     const double *factors, *offsets; /* NULL where values stay as they are */
     int64_t count, type, discrete;
+    int64_t warned; /* whether the world outside knows that this call warns in this run */
 } Port;
 
 typedef struct {
@@ -51,6 +53,7 @@ typedef struct {
     int64_t input_count, output_count, standard;
     int64_t every, parts; /* it steps at every n-th tick, in so many parts */
     double step_size;     /* of one part, in s */
+    int64_t warned;       /* as of a port: whether its step does */
 } Component;
 
 /* A value that is recorded: table[place] into a row's column. */
@@ -60,26 +63,53 @@ typedef struct {
 
 typedef enum { NOTHING, SETTING, STEPPING, GETTING, ASKED_TO_END, RETURNED_EARLY, NOT_FINITE } Cause;
 
-/* What ended a call. */
+/* What is called now, so that who hears an FMU's message can tell where it comes from; in the end, what went wrong. */
 typedef struct {
-    int64_t cause, component, which, status; /* which: input or output port, or part of a step */
+    const Component *component;
+    int64_t cause, which, status; /* which: input or output port, or part of a step */
     double reached;
-} Fault;
+} Now;
 
 typedef struct {
-    const Component *components; /* in their order */
+    Component *components;       /* in their order */
     double *table, *before;      /* all outputs' values; room for as many */
     double *rows;                /* where the row of tick `first_recorded` goes; the others follow */
     const Cell *continuous, *discrete;
     int64_t component_count, group, table_size, width, continuous_count, discrete_count, record_every, first_recorded;
     int64_t done; /* number of ticks that are complete */
     double step_size;
-    Fault fault;
+    Notice *warned; /* called when a call warns for the first time in a run; `now` says which */
+    Now now;
 } Plan;
 
 EXPORT const char *stepper_source(void)
 {
     return STEPPER_SOURCE;
+}
+
+/* ---- what is called and what comes of it ------------------------------------------------------------------------- */
+
+static INLINE void call_begins(Plan *plan, Cause cause, const Component *it, int64_t which)
+{
+    plan->now.cause = cause;
+    plan->now.component = it;
+    plan->now.which = which;
+}
+
+static bool judge(Plan *plan, int status, int64_t *warned)
+{
+    plan->now.status = status;
+    if (status <= WORST_ACCEPTED && !*warned) {
+        *warned = 1;
+        plan->warned();
+    }
+    return status <= WORST_ACCEPTED;
+}
+
+/* Whether a run can go on after a call. */
+static INLINE bool accepted(Plan *plan, int status, int64_t *warned)
+{
+    return status == 0 || judge(plan, status, warned);
 }
 
 /* ---- exchange of values ------------------------------------------------------------------------------------------ */
@@ -133,16 +163,10 @@ static void empty_buffer(const Port *port, double table[])
     }
 }
 
-static bool failed(Plan *plan, Cause cause, const Component *it, int64_t which, int status)
-{
-    plan->fault = (Fault){cause, it - plan->components, which, status, plan->fault.reached};
-    return false;
-}
-
 static INLINE bool take_inputs(Plan *plan, const Component *it)
 {
-    const Port *const end = it->inputs + it->input_count;
-    for (const Port *port = it->inputs; port < end; ++port) {
+    for (int64_t p = 0; p < it->input_count; ++p) {
+        Port *port = &it->inputs[p];
         if (port->type == TYPE_DOUBLE && port->factors == NULL) { /* nearly always */
             double *buffer = port->buffer;
             for (int64_t i = 0; i < port->count; ++i) {
@@ -151,9 +175,9 @@ static INLINE bool take_inputs(Plan *plan, const Component *it)
         } else {
             fill_buffer(port, plan->table);
         }
-        const int status = call_access(it, port);
-        if (status > WORST_ACCEPTED) {
-            return failed(plan, SETTING, it, port - it->inputs, status);
+        call_begins(plan, SETTING, it, p);
+        if (!accepted(plan, call_access(it, port), &port->warned)) {
+            return false;
         }
     }
     return true;
@@ -163,14 +187,14 @@ typedef enum { CONTINUOUS = 1, DISCRETE = 2, ALL = 3 } Which;
 
 static INLINE bool give_outputs(Plan *plan, const Component *it, Which which)
 {
-    const Port *const end = it->outputs + it->output_count;
-    for (const Port *port = it->outputs; port < end; ++port) {
+    for (int64_t p = 0; p < it->output_count; ++p) {
+        Port *port = &it->outputs[p];
         if ((which & (port->discrete ? DISCRETE : CONTINUOUS)) == 0) {
             continue;
         }
-        const int status = call_access(it, port);
-        if (status > WORST_ACCEPTED) {
-            return failed(plan, GETTING, it, port - it->outputs, status);
+        call_begins(plan, GETTING, it, p);
+        if (!accepted(plan, call_access(it, port), &port->warned)) {
+            return false;
         }
         if (port->places != NULL) {
             empty_buffer(port, plan->table);
@@ -192,10 +216,26 @@ static bool differs(const Plan *plan)
     return false;
 }
 
+/* A run begins: nobody has warned. */
+static void forget_warnings(const Plan *plan)
+{
+    for (int64_t i = 0; i < plan->component_count; ++i) {
+        Component *it = &plan->components[i];
+        it->warned = 0;
+        for (int64_t p = 0; p < it->input_count; ++p) {
+            it->inputs[p].warned = 0;
+        }
+        for (int64_t p = 0; p < it->output_count; ++p) {
+            it->outputs[p].warned = 0;
+        }
+    }
+}
+
 /* Pass initial outputs along the connections until they settle, at most as often as the longest chain asks for. */
 EXPORT bool stepper_settle(Plan *plan)
 {
     const Component *const end = plan->components + plan->component_count;
+    forget_warnings(plan);
     bool moving = true;
     for (int64_t round = 0; round < plan->component_count && moving; ++round) {
         memcpy(plan->before, plan->table, (size_t)plan->table_size * sizeof *plan->table);
@@ -223,24 +263,27 @@ EXPORT bool stepper_read(Plan *plan)
 
 /* ---- steps ------------------------------------------------------------------------------------------------------- */
 
-static INLINE bool do_part(Plan *plan, const Component *it, int64_t number, int64_t part)
+static INLINE bool do_part(Plan *plan, Component *it, int64_t number, int64_t part)
 {
     const double time = (double)(number + part) * it->step_size;
+    call_begins(plan, STEPPING, it, part);
     if (it->standard == 2) {
-        const int status = ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1);
-        return status <= WORST_ACCEPTED || failed(plan, STEPPING, it, part, status);
+        return accepted(plan, ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1), &it->warned);
     }
     bool event = false, terminate = false, early = false;
     const int status = ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early,
-                                             &plan->fault.reached);
-    if (status > WORST_ACCEPTED || terminate || early) {
-        const Cause cause = status > WORST_ACCEPTED ? STEPPING : terminate ? ASKED_TO_END : RETURNED_EARLY;
-        return failed(plan, cause, it, part, status);
+                                             &plan->now.reached);
+    if (!accepted(plan, status, &it->warned)) {
+        return false;
+    }
+    if (terminate || early) {
+        plan->now.cause = terminate ? ASKED_TO_END : RETURNED_EARLY;
+        return false;
     }
     return true;
 }
 
-static bool advance(Plan *plan, const Component *it, int64_t tick)
+static bool advance(Plan *plan, Component *it, int64_t tick)
 {
     for (int64_t part = 0; part < it->parts; ++part) {
         if (!do_part(plan, it, tick / it->every * it->parts, part)) {
@@ -265,7 +308,7 @@ static bool is_due(const Component *it, int64_t tick)
 }
 
 /* Step a group of components: one in a sequence, all at once otherwise. */
-static INLINE bool step_group(Plan *plan, const Component *begin, const Component *end, int64_t tick)
+static INLINE bool step_group(Plan *plan, Component *begin, const Component *end, int64_t tick)
 {
     if (end - begin == 1 && begin->every * begin->parts == 1) { /* what follows comes to this, but takes its time */
         return take_inputs(plan, begin) && do_part(plan, begin, tick, 0) && give_outputs(plan, begin, ALL);
@@ -275,7 +318,7 @@ static INLINE bool step_group(Plan *plan, const Component *begin, const Componen
             return false;
         }
     }
-    for (const Component *it = begin; it < end; ++it) {
+    for (Component *it = begin; it < end; ++it) {
         if (is_due(it, tick) && !advance(plan, it, tick)) {
             return false;
         }
@@ -308,7 +351,7 @@ static void record(const Plan *plan, double row[], const Cell cells[], int64_t c
     }
 }
 
-/* Step from tick `first` to tick `last`; returns whether nothing is wrong, else `fault` says what. */
+/* Step from tick `first` to tick `last`; returns whether nothing is wrong, else `now` says what. */
 EXPORT bool stepper_run(Plan *plan, int64_t first, int64_t last)
 {
     int64_t until_row = (plan->record_every - first % plan->record_every) % plan->record_every;
@@ -317,13 +360,14 @@ EXPORT bool stepper_run(Plan *plan, int64_t first, int64_t last)
     for (int64_t tick = first; tick < last; ++tick) {
         const bool recorded = until_row == 0;
         if (!all_finite(plan)) {
-            return failed(plan, NOT_FINITE, plan->components, 0, 0);
+            plan->now.cause = NOT_FINITE;
+            return false;
         }
         if (recorded) {
             row[0] = (double)tick * plan->step_size;
             record(plan, row, plan->continuous, plan->continuous_count);
         }
-        for (const Component *it = plan->components; it < end; it += plan->group) {
+        for (Component *it = plan->components; it < end; it += plan->group) {
             if (!step_group(plan, it, it + plan->group, tick)) {
                 return false;
             }

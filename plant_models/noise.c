@@ -137,11 +137,11 @@ void noise_advance(double state[], const noise_coefficients *coefficients, uint6
     }
 }
 
-shaker_outputs noise_motion(const double state[], const noise_coefficients *coefficients, uint64_t stream, double tick,
-                            double since)
+void noise_motion(const double state[], const noise_coefficients *coefficients, uint64_t stream, double tick,
+                  double since, shaker_outputs *floor)
 {
     const double noise = since > 0.0 ? random_normal(stream, (int64_t)tick) : 0.0;
-    shaker_outputs floor = {0.0, 0.0, 0.0};
+    floor->floor_displacement = floor->floor_velocity = floor->floor_acceleration = 0.0;
     for (int i = 0; i < coefficients->count; ++i) {
         const noise_mode *mode = &coefficients->modes[i];
         complex_t x = complex_of(state[2 * i], state[2 * i + 1]);
@@ -150,9 +150,8 @@ shaker_outputs noise_motion(const double state[], const noise_coefficients *coef
             transition(mode->pole, since, &growth, &push);
             x = moved(x, growth, push, noise);
         }
-        floor.floor_displacement += real_part_of_product(mode->displacement, x);
-        floor.floor_velocity += real_part_of_product(mode->velocity, x);
-        floor.floor_acceleration += real_part_of_product(mode->acceleration, x);
+        floor->floor_displacement += real_part_of_product(mode->displacement, x);
+        floor->floor_velocity += real_part_of_product(mode->velocity, x);
+        floor->floor_acceleration += real_part_of_product(mode->acceleration, x);
     }
-    return floor;
 }

@@ -11,7 +11,7 @@ void noise_prepare(int chosen, double scale, double tick, noise_coefficients *co
 void noise_advance(double state[], const noise_coefficients *coefficients, uint64_t stream, double tick);
 
 /* Evaluate the motion within a tick, some time after its begin. */
-shaker_outputs noise_motion(const double state[], const noise_coefficients *coefficients, uint64_t stream, double tick,
-                            double since);
+void noise_motion(const double state[], const noise_coefficients *coefficients, uint64_t stream, double tick,
+                  double since, shaker_outputs *floor);
 
 #endif

@@ -5,27 +5,24 @@
 
 static const double pi = 3.14159265358979323846;
 
-shaker_outputs profile_bump(double time, double height, double length, double speed)
+void profile_bump(double time, double height, double length, double speed, shaker_outputs *floor)
 {
-    shaker_outputs floor = {0.0, 0.0, 0.0};
+    floor->floor_displacement = floor->floor_velocity = floor->floor_acceleration = 0.0;
     if (time >= -SHAKER_SAME_INSTANT && time < length / speed - SHAKER_SAME_INSTANT) {
         const double omega = 2.0 * pi * speed / length;
         const double half = 0.5 * height;
-        floor.floor_displacement = half * (1.0 - cos(omega * time));
-        floor.floor_velocity = half * omega * sin(omega * time);
-        floor.floor_acceleration = half * omega * omega * cos(omega * time);
+        floor->floor_displacement = half * (1.0 - cos(omega * time));
+        floor->floor_velocity = half * omega * sin(omega * time);
+        floor->floor_acceleration = half * omega * omega * cos(omega * time);
     }
-    return floor;
 }
 
-shaker_outputs profile_sine(double time, double frequency, double amplitude)
+void profile_sine(double time, double frequency, double amplitude, shaker_outputs *floor)
 {
     const double omega = 2.0 * pi * frequency;
-    shaker_outputs floor;
-    floor.floor_displacement = amplitude * sin(omega * time);
-    floor.floor_velocity = amplitude * omega * cos(omega * time);
-    floor.floor_acceleration = -amplitude * omega * omega * sin(omega * time);
-    return floor;
+    floor->floor_displacement = amplitude * sin(omega * time);
+    floor->floor_velocity = amplitude * omega * cos(omega * time);
+    floor->floor_acceleration = -amplitude * omega * omega * sin(omega * time);
 }
 
 /* From 0 at x = 0 to 1 at x = 1, flat and without curvature at both: value, slope, curvature. */
@@ -45,9 +42,9 @@ void profile_envelope(double time, double duration, double fade, double envelope
     envelope[2] = envelope[2] / (fade * fade);
 }
 
-shaker_outputs profile_sweep(double time, const shaker_parameters *p)
+void profile_sweep(double time, const shaker_parameters *p, shaker_outputs *floor)
 {
-    shaker_outputs floor = {0.0, 0.0, 0.0};
+    floor->floor_displacement = floor->floor_velocity = floor->floor_acceleration = 0.0;
     if (time > 0.0 && time < p->sweep_duration) {
         const double beta = log(p->sweep_stop_frequency / p->sweep_start_frequency) / p->sweep_duration;
         const double omega_0 = 2.0 * pi * p->sweep_start_frequency;
@@ -62,9 +59,8 @@ shaker_outputs profile_sweep(double time, const shaker_parameters *p)
         const double acceleration = (decay * decay - omega * omega) * s + (beta - 2.0 * decay) * omega * c;
         double e[3];
         profile_envelope(time, p->sweep_duration, p->sweep_fade, e);
-        floor.floor_displacement = e[0] * s;
-        floor.floor_velocity = e[0] * velocity + e[1] * s;
-        floor.floor_acceleration = e[0] * acceleration + 2.0 * e[1] * velocity + e[2] * s;
+        floor->floor_displacement = e[0] * s;
+        floor->floor_velocity = e[0] * velocity + e[1] * s;
+        floor->floor_acceleration = e[0] * acceleration + 2.0 * e[1] * velocity + e[2] * s;
     }
-    return floor;
 }

@@ -249,21 +249,20 @@ static size_t knot_before(const replay_curve *curve, double time)
     return low;
 }
 
-shaker_outputs replay_motion(const replay_curve *curve, double time)
+void replay_motion(const replay_curve *curve, double time, shaker_outputs *floor)
 {
     const double *t = curve->times, *v = curve->velocities, *a = curve->accelerations;
     const size_t last = curve->count - 1;
-    shaker_outputs floor = {0.0, 0.0, 0.0};
+    floor->floor_displacement = floor->floor_velocity = floor->floor_acceleration = 0.0;
     if (time >= t[last] - SHAKER_SAME_INSTANT) {
-        floor.floor_displacement = curve->displacements[last];
+        floor->floor_displacement = curve->displacements[last];
     } else if (time >= -SHAKER_SAME_INSTANT) {
         const size_t i = knot_before(curve, time);
         const double since = time - t[i];
         const double jerk = (a[i + 1] - a[i]) / (t[i + 1] - t[i]);
-        floor.floor_displacement =
+        floor->floor_displacement =
             curve->displacements[i] + since * (v[i] + since * (0.5 * a[i] + since * jerk / 6.0));
-        floor.floor_velocity = v[i] + since * (a[i] + 0.5 * since * jerk);
-        floor.floor_acceleration = a[i] + since * jerk;
+        floor->floor_velocity = v[i] + since * (a[i] + 0.5 * since * jerk);
+        floor->floor_acceleration = a[i] + since * jerk;
     }
-    return floor;
 }

@@ -12,6 +12,6 @@ const char *replay_load(const char *path, double high_pass, double fade, replay_
 void replay_free(replay_curve *curve);
 
 /* Evaluate the motion at a time in s. */
-shaker_outputs replay_motion(const replay_curve *curve, double time);
+void replay_motion(const replay_curve *curve, double time, shaker_outputs *floor);
 
 #endif

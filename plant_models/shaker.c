@@ -49,71 +49,82 @@ const char *shaker_warning(const shaker_parameters *parameters)
 }
 
 /* A profile that is a function of time. */
-static shaker_outputs profile(double time, const coefficients_t *c)
+static void profile(double time, const coefficients_t *c, shaker_outputs *floor)
 {
     const shaker_parameters *p = &c->parameters;
     switch (p->profile) {
     case SHAKER_SINE:
-        return profile_sine(time, p->sine_frequency, p->sine_amplitude);
+        profile_sine(time, p->sine_frequency, p->sine_amplitude, floor);
+        break;
     case SHAKER_SWEEP:
-        return profile_sweep(time, p);
+        profile_sweep(time, p, floor);
+        break;
     case SHAKER_FILE:
-        return replay_motion(&c->curve, time);
+        replay_motion(&c->curve, time, floor);
+        break;
     default:
-        return profile_bump(time, p->bump_height, p->bump_length, p->bump_speed);
+        profile_bump(time, p->bump_height, p->bump_length, p->bump_speed, floor);
     }
 }
 
 /* Let the platform follow the profile at the tick's begin. */
 static void accelerate(shaker_state *state, const coefficients_t *c)
 {
-    if (c->platform.present) {
-        const shaker_outputs command = c->parameters.profile == SHAKER_RANDOM
-                                           ? noise_motion(state->modes, &c->noise, c->stream, state->tick, 0.0)
-                                           : profile(state->tick * tick_length, c);
-        state->platform_acceleration =
-            platform_acceleration(state->platform_displacement, state->platform_velocity, &command, &c->platform);
+    shaker_outputs command;
+    if (!c->platform.present) {
+        return;
     }
+    if (c->parameters.profile == SHAKER_RANDOM) {
+        noise_motion(state->modes, &c->noise, c->stream, state->tick, 0.0, &command);
+    } else {
+        profile(state->tick * tick_length, c, &command);
+    }
+    state->platform_acceleration =
+        platform_acceleration(state->platform_displacement, state->platform_velocity, &command, &c->platform);
 }
 
 /* The platform some time after the tick's begin. */
-static shaker_outputs platform_motion(const shaker_state *state, double since)
+static void platform_motion(const shaker_state *state, double since, shaker_outputs *floor)
 {
     const double velocity = state->platform_velocity, acceleration = state->platform_acceleration;
-    shaker_outputs floor;
-    floor.floor_displacement = state->platform_displacement + since * (velocity + 0.5 * since * acceleration);
-    floor.floor_velocity = velocity + since * acceleration;
-    floor.floor_acceleration = acceleration;
-    return floor;
+    floor->floor_displacement = state->platform_displacement + since * (velocity + 0.5 * since * acceleration);
+    floor->floor_velocity = velocity + since * acceleration;
+    floor->floor_acceleration = acceleration;
+}
+
+/* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
+static double flushed(double state)
+{
+    return fabs(state) < 1e-30 ? 0.0 : state;
 }
 
 /* Go to the next tick. */
 static void go_on(shaker_state *state, const coefficients_t *c)
 {
-    const shaker_outputs floor = platform_motion(state, tick_length);
+    shaker_outputs floor;
+    platform_motion(state, tick_length, &floor);
     if (c->parameters.profile == SHAKER_RANDOM) {
         noise_advance(state->modes, &c->noise, c->stream, state->tick);
     }
     state->tick += 1.0;
-    state->platform_displacement = floor.floor_displacement;
-    state->platform_velocity = floor.floor_velocity;
+    state->platform_displacement = flushed(floor.floor_displacement);
+    state->platform_velocity = flushed(floor.floor_velocity);
     accelerate(state, c);
 }
 
-/* The floor at a time, not before the state's tick unless that is the first. */
-static shaker_outputs floor_at(double time, const shaker_state *state, const coefficients_t *c)
+/* Noise or platform at a time, not before the state's tick unless that is the first. */
+static void ticking_floor(double time, const shaker_state *state, const coefficients_t *c, shaker_outputs *floor)
 {
     static const shaker_outputs rest = {0.0, 0.0, 0.0};
-    if (!c->ticking) {
-        return profile(time, c);
+    const double elapsed = time - state->tick * tick_length;
+    const double since = elapsed > SHAKER_SAME_INSTANT ? elapsed : 0.0;
+    if (elapsed < -SHAKER_SAME_INSTANT) {
+        *floor = rest;
+    } else if (c->platform.present) {
+        platform_motion(state, since, floor);
+    } else {
+        noise_motion(state->modes, &c->noise, c->stream, state->tick, since, floor);
     }
-    double since = time - state->tick * tick_length;
-    if (since < -SHAKER_SAME_INSTANT) {
-        return rest;
-    }
-    since = since > SHAKER_SAME_INSTANT ? since : 0.0;
-    return c->platform.present ? platform_motion(state, since)
-                               : noise_motion(state->modes, &c->noise, c->stream, state->tick, since);
 }
 
 void shaker_initial(shaker_state *state, const shaker_inputs *inputs, const shaker_coefficients *coefficients,
@@ -124,7 +135,11 @@ void shaker_initial(shaker_state *state, const shaker_inputs *inputs, const shak
     *state = rest;
     state->tick = ceil((time - SHAKER_SAME_INSTANT) / tick_length);
     accelerate(state, coefficients);
-    *outputs = floor_at(time, state, coefficients);
+    if (coefficients->ticking) {
+        ticking_floor(time, state, coefficients, outputs);
+    } else {
+        profile(time, coefficients, outputs);
+    }
 }
 
 void shaker_advance(shaker_state *state, const shaker_inputs *inputs, const shaker_coefficients *coefficients,
@@ -132,11 +147,13 @@ void shaker_advance(shaker_state *state, const shaker_inputs *inputs, const shak
 {
     const double end = time + step_size;
     (void)inputs;
-    if (coefficients->ticking) {
-        const double last = floor((end + SHAKER_SAME_INSTANT) / tick_length);
-        while (state->tick < last) {
-            go_on(state, coefficients);
-        }
+    if (!coefficients->ticking) {
+        profile(end, coefficients, outputs);
+        return;
     }
-    *outputs = floor_at(end, state, coefficients);
+    const double last = floor((end + SHAKER_SAME_INSTANT) / tick_length);
+    while (state->tick < last) {
+        go_on(state, coefficients);
+    }
+    ticking_floor(end, state, coefficients, outputs);
 }

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from fmus.component import Component, ParameterError
+from fmus.component import Component, ParameterError, flushed
 from plant_models import noise, platform, replay
 from plant_models.example_recording import EXAMPLE, example
 from plant_models.profiles import SAME_INSTANT, bump, sine, sweep
@@ -117,7 +117,8 @@ def _next(state: State, c: Coefficients) -> State:
     """Go to the next tick."""
     floor = _platform(state, TICK)
     modes = state.modes if c.modes is None else noise.advanced(state.modes, c.modes, c.stream, state.tick)
-    moved = State(state.tick + 1, modes, floor.floor_displacement, floor.floor_velocity, state.platform_acceleration)
+    displacement, velocity = flushed(floor.floor_displacement), flushed(floor.floor_velocity)
+    moved = State(state.tick + 1, modes, displacement, velocity, state.platform_acceleration)
     return _accelerated(moved, c)
 
 

@@ -173,6 +173,13 @@ def tune(session: Session, baseline: Baseline) -> dict[str, float]:
     return numbers(minimize(cost, start, method="Nelder-Mead", options=options).x)
 
 
+def build(folder: Path) -> None:
+    """Build the FMUs of all baselines by their own tool."""
+    for baseline in BASELINES.values():
+        script = str(SCRIPTS / f"{baseline.script}.py")
+        subprocess.run([sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", str(folder)], check=True)
+
+
 def report(name: str, found: Score) -> None:
     """Print a row of the table."""
     lengths = (1e3 * length for length in (found.peak, found.peak_late, found.drift))
@@ -188,10 +195,9 @@ def main() -> None:
     arguments = parser.parse_args()
     ours = seat_suspension(ROOT / "fmus" / "fmi2")
     with tempfile.TemporaryDirectory() as folder:
+        build(Path(folder))
         systems = {}
-        for name, baseline in BASELINES.items():
-            command = ["-m", "pythonfmu", "build", "-f", str(SCRIPTS / f"{baseline.script}.py"), "-d", folder]
-            subprocess.run([sys.executable, *command], check=True)
+        for name in BASELINES:
             systems[name] = seat_suspension(ROOT / "fmus" / "fmi2")
             systems[name].replace("controller", Path(folder, f"{name}.fmu"))
         if not arguments.compare:

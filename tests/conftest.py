@@ -104,6 +104,9 @@ class Driven:
     def state(self) -> Any:
         return self._call(f"getFMU{self._state}")
 
+    def saved(self) -> bytes:
+        return bytes(self._call(f"serializeFMU{self._state}", self.state()))
+
     def restore(self, state: Any) -> None:
         self._call(f"setFMU{self._state}", state)
 

@@ -13,6 +13,7 @@ from conftest import Shell
 
 from cosim import SetupError, System
 from cosim.certificate import verdict, write
+from cosim.cli_options import parameter_sets
 from cosim.evaluation import COLUMNS, Cell, Evaluation, Protocol, Run, evaluate
 from cosim.metrics import Ride, actuator, daily_vdv, deflection_range, ride, seat_factor
 from cosim.scenarios import control, driver_mass, passive_seat, ports, seat_suspension
@@ -26,6 +27,11 @@ def subject(folder: Path, title: str = "seat", **parameters: float | bool) -> Su
     system = seat_suspension(folder)
     system.parameters |= {name.replace("__", "."): value for name, value in parameters.items()}
     return Subject(title, system, ports())
+
+
+def passive(folder: Path) -> Subject:
+    system = seat_suspension(folder)
+    return passive_seat(system, parameter_sets(["passive"], system))
 
 
 def table(path: Path) -> list[dict[str, str]]:
@@ -70,9 +76,9 @@ def test_numbers_are_those_of_the_metrics(native: Path):
 
 def test_the_control_beats_the_passive_seat_on_every_class(native: Path):
     protocol = Protocol(masses=(55.0,), seeds=(1,), duration=30.0)
-    controlled, passive = evaluate([subject(native / "fmi2"), passive_seat(native / "fmi2")], protocol)
+    controlled, off = evaluate([subject(native / "fmi2"), passive(native / "fmi2")], protocol)
     for key, cell in controlled.cells.items():
-        assert cell.seat < passive.cells[key].seat, key
+        assert cell.seat < off.cells[key].seat, key
 
 
 FIRST = {
@@ -99,7 +105,7 @@ def test_a_first_simulation_is_repeated_within_its_scatter(native: Path):
 
 def test_processes_do_not_change_a_number(native: Path):
     protocol = Protocol(classes=("EM3", "EM7"), masses=(80.0, 55.0), seeds=(4,), duration=5.0, settle=1.0)
-    subjects = [subject(native / "fmi2"), passive_seat(native / "fmi2")]
+    subjects = [subject(native / "fmi2"), passive(native / "fmi2")]
     done: list[tuple[int, int]] = []
     alone, together = evaluate(subjects, protocol), evaluate(subjects, protocol, 2, lambda *how: done.append(how))
     assert [numbers(each) for each in alone] == [numbers(each) for each in together]
@@ -110,7 +116,7 @@ def test_processes_do_not_change_a_number(native: Path):
 def test_the_same_evaluation_leaves_the_same_bytes(native: Path, tmp_path: Path):
     files = []
     for name in ("first", "second"):
-        found = evaluate([subject(native / "fmi2"), passive_seat(native / "fmi2")], SHORT)
+        found = evaluate([subject(native / "fmi2"), passive(native / "fmi2")], SHORT)
         files.append(write(tmp_path / name, found, SHORT, ["seat-cosim", "evaluate"], ["A note."]))
     assert [path.name for path in files[0]] == [
         "evaluation.html",
@@ -176,7 +182,7 @@ def test_the_page_needs_nothing_beside_it_and_tells_what_was_evaluated(shell: Sh
         assert model.description.guid in page
     assert "controller.observer_gamma = -1e-06" in page
     assert "recalled" in page
-    assert "placeholder" in page
+    assert "friction is assumed" in page
     assert not re.search(r"\b20\d\d-\d\d-\d\d\b", page)
 
 
@@ -275,4 +281,11 @@ def test_a_ride_that_fails_is_named(shell: Shell, tmp_path: Path):
     assert (code, out) == (1, "")
     assert len(err.splitlines()) == 1
     assert "SeatSuspension, EM3, 80 kg, seed 4: " in err
-    assert not (tmp_path / "out").exists()
+    assert not list((tmp_path / "out").iterdir())
+
+
+def test_a_folder_that_cannot_be_written_to_is_told_before_anything_runs(shell: Shell, tmp_path: Path):
+    (tmp_path / "file").touch()
+    code, out, err = shell("evaluate", *TINY, "--output", "file/out")
+    assert (code, out) == (2, "")
+    assert "file/out: expected a folder to write to, got: Not a directory" in err

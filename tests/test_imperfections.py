@@ -103,6 +103,21 @@ def test_a_step_that_fails_leaves_the_forces_on_their_way(seat: Driven):
     assert runs[0] == runs[1]
 
 
+def test_a_step_that_fails_leaves_no_trace(seat: Driven):
+    """Nor of the force that entered the empty delay line in it."""
+    seat.begin(actuator__delay=0.01)
+    for k in range(10):
+        seat.step(k * H, H)
+    still = {"force": 0.0, "floor_velocity": 0.0}
+    seat.set(**still)
+    before = seat.saved()
+    seat.set(force=70.0, floor_velocity=1.5e308)
+    with pytest.raises(FMICallException):
+        seat.step(10 * H, H)
+    seat.set(**still)
+    assert seat.saved() == before
+
+
 def test_end_stops_without_stiffness_are_refused(seat: Driven):
     with suppress(RunError, FMICallException):  # the Python flavour refuses the first step
         seat.begin(end_stop__travel=0.05)

@@ -279,7 +279,7 @@ def test_a_driver_outside_the_range_is_warned_of_once(native: Path, flavour: str
     result = seat_suspension(native / flavour).simulate(0.02, H, {"controller.driver_mass": 120.0})
     assert result.warnings == [
         "controller: driver_mass lies outside [driver_mass_min, driver_mass_max]: the gains of the nearer end are used"
-        "; got driver_mass = 120 kg, driver_mass_min = 45 kg, driver_mass_max = 80 kg"
+        "; got driver_mass = 120 kg, driver_mass_min = 45 kg, driver_mass_max = 80 kg (initial exchange, t = 0 s)"
     ]
 
 

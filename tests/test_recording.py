@@ -14,10 +14,12 @@ from conftest import NATIVE, ROOT
 
 from cosim import RunError, System
 from fmus.component import ParameterError
+from fmus.native_build import STANDARDS, source_files
 from plant_models.example_recording import acceleration, example
 from plant_models.profiles import bump
 from plant_models.recording import FEWEST_ROWS, LONGEST_LINE, MOST_ROWS, read
 from plant_models.replay import Curve, load, motion
+from plant_models.shaker import SHAKER
 from plant_models.shaker_interface import Outputs
 
 H = 0.002
@@ -353,3 +355,18 @@ def test_a_wrong_file_discards_the_steps_of_the_python_flavour(fmus: Path, tmp_p
     result = shaker(fmus.parent, "python").simulate(0.1, H, given)
     assert not result.complete
     assert "gap.csv, line 12: expected a step of at most 10 times the median" in str(result.error)
+
+
+@pytest.mark.parametrize("flavour", NATIVE)
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+def test_a_recordings_memory_is_freed_whatever_happens(flavour: str, tmp_path: Path):
+    sources = source_files(SHAKER, STANDARDS[flavour], "{token}")
+    for name, content in {**sources, "example.csv": example(), "wrong.csv": b"no recording"}.items():
+        (tmp_path / name).write_bytes(content)
+    compiled = [name for name in sources if name.endswith(".c")]
+    compiled += [str(ROOT / "tests/native" / name) for name in (f"api_{flavour}.c", "replaying.c")]
+    options = ["-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-I."]
+    subprocess.run(["gcc", *options, *compiled, "-o", "replaying", "-lm"], cwd=tmp_path, check=True)
+    words = ["./replaying", str(tmp_path / "example.csv"), str(tmp_path / "wrong.csv")]
+    run = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")

@@ -25,7 +25,8 @@ int main(int count, char *words[])
             continue;
         }
         for (double time = -0.5; time < 3.0; time += 0.0371) {
-            const shaker_outputs floor = replay_motion(&curve, time);
+            shaker_outputs floor;
+            replay_motion(&curve, time, &floor);
             const double values[] = {floor.floor_displacement, floor.floor_velocity, floor.floor_acceleration};
             for (size_t i = 0; i < 3; ++i) {
                 printf("%a ", values[i]);
