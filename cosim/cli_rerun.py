@@ -44,6 +44,8 @@ def rerun(manifest: Path, output: Path | None) -> None:
             progress=lambda time: report(f"{time:.1f} of {first.stop_time:g} s"),
             command=command_line(),
             keep=False,
+            isolate=first.isolate,
+            time_limit=first.time_limit,
         )
     again = Manifest.read(folder / MANIFEST)
     _tell_versions(first, again)

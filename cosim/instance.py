@@ -7,109 +7,29 @@ from __future__ import annotations
 
 import ctypes
 from abc import ABC, abstractmethod
-from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, chdir, suppress
-from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any, ClassVar
 
-import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException, printLogMessage
-from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2Terminated
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelVariable
 
+from cosim.archives import open_archive
+from cosim.calls import Access, Calls, Port
 from cosim.errors import RunError, SetupError
+from cosim.journal import WARNING, Journal
 from cosim.model import Model
+from cosim.stdout import printed
 from cosim.units import IDENTITY, Linear
 
-_WARNING, _FATAL = 1, 4
+_DISCARD, _ERROR, _FATAL = 2, 3, 4
 _STATUS = dict(enumerate(("ok", "warning", "discard", "error", "fatal", "pending")))
-
-
-@dataclass(frozen=True)
-class Access:
-    """One call of an FMU's getter or setter: some variables of one type, moved between the FMU and a buffer.
-
-    Attributes
-    ----------
-    name
-        Of the function.
-    function
-        As fmpy loaded it.
-    arguments
-        What it is called with: instance, value references, pointer to ``buffer``, sizes.
-    references
-        Value references.
-    buffer
-        What the FMU reads or writes.
-    """
-
-    name: str
-    function: Any
-    arguments: tuple[Any, ...]
-    references: Any
-    buffer: np.ndarray[Any, Any]
-
-    def call(self) -> None:
-        """Move the values between the FMU and the buffer."""
-        status = self.function(*self.arguments)
-        if status > _WARNING:
-            raise FMICallException(function=self.name, status=status)
-
-
-@dataclass(frozen=True)
-class Port:
-    """Some variables of one type, moved between the FMU and a part of a table of values.
-
-    Attributes
-    ----------
-    access
-        How.
-    places
-        Where in the table each value belongs.
-    factors, offsets
-        What transforms values on their way from the table; both None where they stay as they are.
-    discrete
-        Whether the variables are discrete outputs.
-    direct
-        Whether the FMU writes into the table itself, of which ``buffer`` is a part.
-    """
-
-    access: Access
-    places: np.ndarray[Any, Any]
-    factors: np.ndarray[Any, Any] | None = None
-    offsets: np.ndarray[Any, Any] | None = None
-    discrete: bool = False
-    direct: bool = False
-
-
-@dataclass(frozen=True)
-class Calls:
-    """What a loop in C needs of an instance to call the FMU's own functions.
-
-    Attributes
-    ----------
-    standard
-        Major version of FMI.
-    component
-        The instance's pointer.
-    step_name, step
-        Name and function of the step.
-    inputs, outputs
-        What is set before it and got after it.
-    """
-
-    standard: int
-    component: int
-    step_name: str
-    step: Any
-    inputs: Sequence[Port]
-    outputs: Sequence[Port]
 
 
 class Instance(ABC):
@@ -152,29 +72,32 @@ class Instance(ABC):
     def __init__(self, name: str, model: Model, folder: Path) -> None:
         self.name = name
         self.model = model
-        self.journal: deque[tuple[int, str]] = deque(maxlen=1000)
+        self.journal = Journal()
         self._table = np.zeros(0)
         self._inputs: list[Port] = []
         self._outputs: list[Port] = []
         self._parameters: dict[tuple[str, ...], list[tuple[Access, list[str]]]] = {}
         self._texts: list[str] = []
-        self._initialised = False
+        self._initialised = False  # so that it must be reset before another run
+        self._running = False  # so that it must be terminated
         self._dead = False
-        self.fmu: Any = None
-        with self.calling("load"), chdir(Path.cwd()):  # fmpy does not come back from the folder of one that fails
-            self.fmu = self.SLAVE(
-                guid=model.description.guid,
-                modelIdentifier=model.description.coSimulation.modelIdentifier,
-                unzipDirectory=str(folder),
-                instanceName=name,
-            )
-        self._functions = {name: getattr(self.fmu.dll, self.PREFIX + name) for name in self.FUNCTIONS}
+        self._reached = 0.0
+        self.fmu = self.SLAVE.__new__(self.SLAVE)  # so that it is ours also if its making fails halfway
+        self.fmu.component = None
         try:
+            with self.calling("load"), chdir(Path.cwd()):  # fmpy does not come back from the folder of one that fails
+                self.fmu.__init__(
+                    guid=model.description.guid,
+                    modelIdentifier=model.description.coSimulation.modelIdentifier,
+                    unzipDirectory=str(folder),
+                    instanceName=name,
+                )
+                names = {name: self.PREFIX + name for name in self.FUNCTIONS}
+                self._functions = {name: (full, getattr(self.fmu.dll, full)) for name, full in names.items()}
             with self.calling("instantiate"):
                 self._instantiate()
-        except RunError:
-            self.fmu.freeLibrary()
-            self._forget()
+        except BaseException:
+            self.free()
             raise
 
     # ---- what differs between versions -------------------------------------------------------------------------------
@@ -194,21 +117,46 @@ class Instance(ABC):
     def _forget(self) -> None:  # noqa: B027
         """Let go of what outlives the instance."""
 
-    # ---- failures ----------------------------------------------------------------------------------------------------
+    # ---- what is said, and failures ----------------------------------------------------------------------------------
 
-    def calling(self, call: str) -> AbstractContextManager[None]:
-        """Turn whatever goes wrong in a call before the first step into a :class:`RunError`."""
-        return _Calling(self, call)
+    def calling(self, call: str, time: float = 0.0) -> AbstractContextManager[None]:
+        """Turn whatever goes wrong in a call outside the steps into a :class:`RunError`; note what is said meanwhile.
+
+        Parameters
+        ----------
+        call
+            Its name, for messages.
+        time
+            When, in s.
+        """
+        return _Calling(self, call, time)
+
+    def listen(self, call: str, time: float) -> bool:
+        """Attribute what was printed since the last time to a call at a time in s; returns whether anything was."""
+        text = printed()
+        if text:
+            self.journal.printed(call, time, text)
+        return bool(text)
+
+    def _judge(self, status: int, function: str) -> None:
+        """Take note of a status that is not that of a call without any fault."""
+        if status > WARNING:
+            raise FMICallException(function=function, status=status)
+        self.journal.warned(function, self.journal.time)
 
     def failure(self, error: Exception, call: str, time: float = 0.0) -> RunError:
         """Describe a failed call: component, call, time in s, and what the FMU said about it."""
+        if isinstance(error, RunError):
+            return error
         status = ""
         if isinstance(error, FMICallException):
+            if error.status == _DISCARD and not self.journal.complaint and self._ended():
+                return self.asked_to_end(error.function, time)
+            self._running = self._running and error.status < _ERROR  # after an error FMI allows reset and free only
             self._dead = self._dead or error.status == _FATAL
             call = error.function
             status = f" ({_STATUS.get(error.status, error.status)})"
-        said = [message for status_, message in self.journal if status_ > _WARNING]
-        reason = " ".join((said[-1] if said else str(error)).split())
+        reason = " ".join((self.journal.complaint or str(error)).split())
         return RunError(f"{self.name}: {call} failed at t = {time:g} s{status}: {reason}")
 
     def asked_to_end(self, call: str, reached: float) -> RunError:
@@ -219,10 +167,14 @@ class Instance(ABC):
         """Describe an FMU that did not finish its step, though it was not allowed to return early."""
         return RunError(f"{self.name}: {call} returned early, at t = {reached:g} s")
 
+    def _ended(self) -> bool:
+        """Whether the FMU discarded a step because it asks for the end of the run."""
+        return False
+
     @property
     def warnings(self) -> list[str]:
-        """What the FMU warned of so far, each text once."""
-        return list(dict.fromkeys(message for status, message in self.journal if status == _WARNING))
+        """What the FMU warned of or printed in this run, each text once, with call and time."""
+        return self.journal.warnings
 
     # ---- wiring ------------------------------------------------------------------------------------------------------
 
@@ -248,18 +200,13 @@ class Instance(ABC):
         self._outputs = [
             self._port("Get", kind, names, given, discrete)
             for discrete in (False, True)
-            for kind, names in self._by_kind(name for name in given if self.is_discrete(name) is discrete)
+            for kind, names in self._by_kind(name for name in given if self.model.is_discrete(name) is discrete)
         ]
         self._inputs = [self._port("Set", kind, names, inputs) for kind, names in self._by_kind(inputs)]
 
-    def is_discrete(self, name: str) -> bool:
-        """Whether a variable changes at instants only."""
-        return bool(self.model.variables[name].variability != "continuous")
-
     def calls(self) -> Calls | None:
         """Return what a loop in C needs, or None of an FMU that cannot be called from there."""
-        step = f"{self.PREFIX}DoStep"
-        return Calls(self.STANDARD, self.fmu.component, step, self._functions["DoStep"], self._inputs, self._outputs)
+        return Calls(self.STANDARD, self.fmu.component, *self._functions["DoStep"], self._inputs, self._outputs)
 
     def _by_kind(self, names: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
         names = list(names)
@@ -308,18 +255,26 @@ class Instance(ABC):
         """Order the arguments of a getter or setter."""
         return (self.fmu.component, references, count, pointer)
 
-    def take_inputs(self) -> None:
-        """Set all connected inputs from the table of values."""
+    def _move(self, access: Access) -> None:
+        """Move values between the FMU and a buffer."""
+        self.journal.call = access.name
+        if status := access.function(*access.arguments):
+            self._judge(status, access.name)
+
+    def take_inputs(self, time: float) -> None:
+        """Set all connected inputs from the table of values, at a time in s."""
+        self.journal.time = time
         for port in self._inputs:
             values = self._table[port.places]
             port.access.buffer[:] = values if port.factors is None else port.factors * values + port.offsets
-            port.access.call()
+            self._move(port.access)
 
-    def give_outputs(self, discrete: bool | None = None) -> None:
-        """Get outputs into the table of values: all of them, or those that are discrete, or those that are not."""
+    def give_outputs(self, time: float, discrete: bool | None = None) -> None:
+        """Get outputs into the table of values, at a time in s: all, those that are discrete, or those that are not."""
+        self.journal.time = time
         for port in self._outputs:
             if discrete is None or port.discrete is discrete:
-                port.access.call()
+                self._move(port.access)
                 if not port.direct:
                     self._table[port.places] = port.access.buffer
 
@@ -335,6 +290,8 @@ class Instance(ABC):
         values
             Checked parameters and start values by variable name.
         """
+        if self._dead:
+            raise RunError(f"{self.name}: expected an FMU that can run again, got one that failed fatally")
         with self.calling("initialisation"):
             if self._initialised:
                 self.journal.clear()  # what was said in an earlier run is that run's
@@ -344,9 +301,10 @@ class Instance(ABC):
 
     def _call(self, function: str, *arguments: Any) -> None:
         """Call a function of the FMU that takes the instance first."""
-        status = self._functions[function](self.fmu.component, *arguments)
-        if status > _WARNING:
-            raise FMICallException(function=self.PREFIX + function, status=status)
+        name, call = self._functions[function]
+        self.journal.call = name
+        if status := call(self.fmu.component, *arguments):
+            self._judge(status, name)
 
     def _set(self, values: Mapping[str, float | str]) -> None:
         names = tuple(values)
@@ -356,7 +314,7 @@ class Instance(ABC):
         for access, found in self._parameters[names]:
             for i, name in enumerate(found):
                 access.buffer[i] = values[name]
-            access.call()
+            self._move(access)
         for name in self._texts:
             variable = self.model.variables[name]
             getattr(self.fmu, f"set{variable.type}")([variable.valueReference], [values[name]])
@@ -365,24 +323,29 @@ class Instance(ABC):
         """Leave the initialisation."""
         with self.calling("initialisation"):
             self._call("ExitInitializationMode")
+        self._running = True
 
     def step(self, time: float, step_size: float) -> None:
         """Take inputs, step from ``time`` by ``step_size`` (both in s), give outputs."""
-        self.take_inputs()
+        self.take_inputs(time)
         self.advance(time, step_size)
-        self.give_outputs()
+        self.give_outputs(time)
 
-    def terminate(self) -> None:
-        """End a run."""
-        if self._initialised and not self._dead:
-            with self.calling("terminate"):
+    def terminate(self, time: float = 0.0) -> None:
+        """End a run at a time in s; nothing where FMI does not allow it."""
+        self._reached = time
+        if self._running and not self._dead:
+            self._running = False
+            with self.calling("terminate", time):
                 self._call("Terminate")
 
     def free(self) -> None:
         """Free the instance and unload its library; after a fatal error FMI forbids the first."""
         with suppress(Exception):
-            if not self._dead:
+            if self.fmu.component and not self._dead:
                 getattr(self.fmu, f"{self.PREFIX}FreeInstance")(self.fmu.component)
+        with suppress(Exception):
+            self.listen("free", self._reached)
         with suppress(Exception):
             self.fmu.freeLibrary()
         self._forget()
@@ -391,18 +354,23 @@ class Instance(ABC):
 class _Calling(AbstractContextManager[None]):
     """See :meth:`Instance.calling`; a class, as a run begins with many and a generator takes its time."""
 
-    def __init__(self, instance: Instance, call: str) -> None:
+    def __init__(self, instance: Instance, call: str, time: float) -> None:
         self._instance = instance
         self._call = call
+        self._time = time
+
+    def __enter__(self) -> None:
+        self._instance.journal.call, self._instance.journal.time = self._call, self._time
 
     def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
+        self._instance.listen(self._call, self._time)
         if isinstance(error, Exception):  # fmpy raises bare exceptions, too
-            raise self._instance.failure(error, self._call) from error
+            raise self._instance.failure(error, self._call, self._time) from error
 
 
 # ---- FMI 2 -----------------------------------------------------------------------------------------------------------
 
-_journals: dict[int, deque[tuple[int, str]]] = {}
+_journals: dict[int, Journal] = {}
 _environments = count(1)
 
 
@@ -410,7 +378,7 @@ _environments = count(1)
 def _log(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
     """Write an FMU's message into its instance's journal; fmpy has one logger per process, so ours serves all."""
     if environment in _journals:
-        _journals[environment].append((status, message.decode(errors="replace")))
+        _journals[environment].add(status, message.decode(errors="replace"))
     else:
         printLogMessage(environment, name, status, category, message)
 
@@ -430,6 +398,8 @@ class Instance2(Instance):
     C_TYPES: ClassVar = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
     ACCESS: ClassVar = {"Enumeration": "Integer"}
 
+    _environment: int | None = None
+
     def _instantiate(self) -> None:
         self._environment = next(_environments)
         _journals[self._environment] = self.journal
@@ -446,10 +416,17 @@ class Instance2(Instance):
         self._call("EnterInitializationMode")
 
     def advance(self, time: float, step_size: float) -> None:  # noqa: D102
+        self.journal.time = time
         self._call("DoStep", time, step_size, 1)
 
+    def _ended(self) -> bool:
+        with suppress(FMICallException):
+            return bool(self.fmu.getBooleanStatus(fmi2Terminated))
+        return False
+
     def _forget(self) -> None:
-        _journals.pop(self._environment, None)
+        if self._environment is not None:
+            _journals.pop(self._environment, None)
 
 
 # ---- FMI 3 -----------------------------------------------------------------------------------------------------------
@@ -474,26 +451,27 @@ class Instance3(Instance):
     ACCESS: ClassVar = {"Enumeration": "Int64"}
 
     def _instantiate(self) -> None:
-        self._event, self._terminate, self._early = ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()
-        self._reached = ctypes.c_double()
+        self._event, self._ending, self._early = ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()
+        self._last_time = ctypes.c_double()
         self.fmu.instantiate(loggingOn=True, logMessage=self._log)
 
     def _log(self, environment: int | None, status: int, category: bytes, message: bytes) -> None:
-        self.journal.append((status, message.decode(errors="replace")))
+        self.journal.add(status, message.decode(errors="replace"))
 
     def _begin(self, stop_time: float, values: Mapping[str, float | str]) -> None:
         self._set(values)
         self._call("EnterInitializationMode", False, 0.0, 0.0, True, stop_time)  # no tolerance; from 0 to the stop time
 
     def advance(self, time: float, step_size: float) -> None:  # noqa: D102
-        for flag in (self._event, self._terminate, self._early):
+        self.journal.time = time
+        for flag in (self._event, self._ending, self._early):
             flag.value = False
-        flags = (ctypes.byref(flag) for flag in (self._event, self._terminate, self._early, self._reached))
-        self._call("DoStep", time, step_size, True, *flags)
-        if self._terminate.value:
-            raise self.asked_to_end("fmi3DoStep", self._reached.value)
+        answers = (ctypes.byref(answer) for answer in (self._event, self._ending, self._early, self._last_time))
+        self._call("DoStep", time, step_size, True, *answers)
+        if self._ending.value:
+            raise self.asked_to_end("fmi3DoStep", self._last_time.value)
         if self._early.value:
-            raise self.returned_early("fmi3DoStep", self._reached.value)
+            raise self.returned_early("fmi3DoStep", self._last_time.value)
 
     def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
         return (*super()._arguments(references, count, pointer), count)
@@ -516,9 +494,12 @@ def extract(model: Model, folder: Path) -> None:
     Raises
     ------
     SetupError
-        If the archive is damaged or holds an illegal path.
+        If the archive is damaged or holds what it should not; then nothing is extracted.
     """
     try:
-        fmpy.extract(model.open(), str(folder))
-    except Exception as error:  # zip errors, and fmpy's bare ones
+        with open_archive(model.open(), model.where) as archive:
+            archive.extractall(folder)
+    except SetupError:
+        raise
+    except Exception as error:  # zip errors, unknown compression, a full disk
         raise SetupError(f"{model.where}: expected an archive that can be extracted, got: {error}") from error

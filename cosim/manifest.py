@@ -12,6 +12,7 @@ from typing import Literal
 
 from cosim.errors import SetupError
 from cosim.formats import FORMATS, FileSink
+from cosim.isolated import TIME_LIMIT
 from cosim.json_data import dump, load
 from cosim.model import KINDS, Model, Value
 from cosim.results import MANIFEST
@@ -96,6 +97,8 @@ class Manifest:
         Of the files.
     real_time
         Whether it was paced; a run again is not, the values are the same.
+    isolate, time_limit
+        Components that ran in processes of their own, and how long a call of them could take, in s.
     """
 
     format: Literal[1]
@@ -119,6 +122,8 @@ class Manifest:
     record_every: int = 1
     formats: list[str] = field(default_factory=lambda: ["csv"])
     real_time: bool = False
+    isolate: list[str] = field(default_factory=list)
+    time_limit: float = TIME_LIMIT
 
     @classmethod
     def of(
@@ -134,6 +139,8 @@ class Manifest:
         command: Sequence[str] = (),
         algorithm: Algorithm | None = None,
         real_time: bool = False,
+        isolate: Iterable[str] = (),
+        time_limit: float = TIME_LIMIT,
     ) -> Manifest:
         """Describe a run that is about to begin.
 
@@ -143,7 +150,7 @@ class Manifest:
             What runs.
         command
             What was typed, if anything.
-        stop_time, step_size, parameters, record, record_every, formats, algorithm, real_time
+        stop_time, step_size, parameters, record, record_every, formats, algorithm, real_time, isolate, time_limit
             As of :func:`cosim.run_folder.run_to_folder`.
 
         Raises
@@ -178,6 +185,8 @@ class Manifest:
             record_every=record_every,
             formats=formats,
             real_time=real_time,
+            isolate=[name for name in system.models if name in set(isolate)],
+            time_limit=time_limit,
         )
 
     def ended(

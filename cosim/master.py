@@ -9,6 +9,7 @@ import numpy as np
 
 from cosim.clock import Pacer
 from cosim.errors import RunError
+from cosim.interrupts import check
 from cosim.plan import Loop, Plan, Turn
 from cosim.recording import Recorder
 
@@ -39,6 +40,8 @@ def crank(loop: Loop, plan: Plan, room: int, between: Callable[[int], None], pac
     ------
     RunError
         If an FMU failed.
+    KeyboardInterrupt
+        If the user wants to end.
     """
     steps, tick, seen, size = plan.clock.steps, 0, 0, 1
     looked = perf_counter()
@@ -48,6 +51,7 @@ def crank(loop: Loop, plan: Plan, room: int, between: Callable[[int], None], pac
         begin = perf_counter()
         last = min(tick + size, steps)
         loop.run(tick, last)
+        check()
         now = perf_counter()
         if pacer is None:
             size = max(1, min(room, _GROWTH * size, int(0.5 * CHUNK * (last - tick) / (now - begin))))
@@ -83,13 +87,24 @@ class PythonLoop:
         What to step.
     recorder
         What records it.
+    listening
+        Whether to look after each component whether it has printed, which takes its time.
+
+    Attributes
+    ----------
+    done
+        Number of ticks that are complete.
+    heard
+        Whether anybody has printed.
     """
 
-    def __init__(self, plan: Plan, recorder: Recorder) -> None:
+    def __init__(self, plan: Plan, recorder: Recorder, listening: bool = False) -> None:
         self._plan = plan
         self._recorder = recorder
         self._groups = plan.groups
+        self._listening = listening
         self.done = 0
+        self.heard = False
 
     def settle(self) -> None:
         """Pass initial outputs along the connections until they settle."""
@@ -97,8 +112,8 @@ class PythonLoop:
             before = self._plan.table.copy()
             for turn in self._plan.turns:
                 with turn.instance.calling("initial exchange"):
-                    turn.instance.take_inputs()
-                    turn.instance.give_outputs()
+                    turn.instance.take_inputs(0.0)
+                    turn.instance.give_outputs(0.0)
             if np.array_equal(before, self._plan.table, equal_nan=True):
                 break
 
@@ -106,11 +121,12 @@ class PythonLoop:
         """Read all outputs."""
         for turn in self._plan.turns:
             with turn.instance.calling("initial exchange"):
-                turn.instance.give_outputs()
+                turn.instance.give_outputs(0.0)
 
     def run(self, first: int, last: int) -> None:
         """Step from one tick to another, recording."""
         for tick in range(first, last):
+            check()
             watch(self._plan, tick)
             self._recorder.before(tick)
             for group in self._groups:
@@ -124,27 +140,34 @@ class PythonLoop:
         turn, time = group[0], self._plan.clock.time(tick)
         try:
             for turn in due:
-                turn.instance.take_inputs()
+                turn.instance.take_inputs(time)
+                self._listen(turn, time)
             for turn in due:
                 for part in range(turn.rate.parts):
                     time = turn.rate.time(tick, part)
                     turn.instance.advance(time, turn.rate.step_size)
+                    self._listen(turn, time)
             time = self._plan.clock.time(tick)
             for turn in group:
-                _give(turn, tick)
+                _give(turn, tick, time)
+                self._listen(turn, time)
         except RunError:
             raise
         except Exception as error:
-            raise turn.instance.failure(error, "step", time) from error
+            raise turn.instance.failure(error, "doStep", time) from error
+
+    def _listen(self, turn: Turn, time: float) -> None:
+        if self._listening and turn.instance.listen("doStep", time):
+            self.heard = True
 
 
-def _give(turn: Turn, tick: int) -> None:
+def _give(turn: Turn, tick: int, time: float) -> None:
     """Give a component's outputs: what is discrete where its step begins, what is continuous where it ends."""
     every = turn.rate.every
     if every == 1:
-        turn.instance.give_outputs()
+        turn.instance.give_outputs(time)
         return
     if tick % every == 0:
-        turn.instance.give_outputs(discrete=True)
+        turn.instance.give_outputs(time, discrete=True)
     if (tick + 1) % every == 0:
-        turn.instance.give_outputs(discrete=False)
+        turn.instance.give_outputs(time, discrete=False)

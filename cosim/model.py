@@ -14,6 +14,7 @@ from typing import BinaryIO
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
+from cosim.archives import open_archive
 from cosim.errors import SetupError
 from cosim.mending import mended
 from cosim.units import Unit
@@ -80,7 +81,11 @@ class Model:
         if not file.is_file():
             raise SetupError(f"{path}: expected an FMU, got no such file")
         try:
-            description = fmpy.read_model_description(mended(_opened(file, member)), validate=False)
+            opened = _opened(file, member)
+            open_archive(opened, path).close()
+            description = fmpy.read_model_description(mended(opened), validate=False)
+        except SetupError:
+            raise
         except zipfile.BadZipFile:
             raise SetupError(f"{path}: expected an FMU (a zip archive), got another kind of file") from None
         except KeyError as error:
@@ -93,7 +98,7 @@ class Model:
             raise SetupError(
                 f"{path}: expected FMI 2.0 or 3.0 for co-simulation, got FMI {description.fmiVersion}, {kind}"
             )
-        platforms = fmpy.supported_platforms(_opened(file, member))
+        platforms = fmpy.supported_platforms(opened)
         if fmpy.platform not in platforms:
             raise SetupError(f"{path}: expected a binary for {fmpy.platform}, got {', '.join(platforms) or 'none'}")
         return cls(file, description, {variable.name: variable for variable in description.modelVariables}, member)
@@ -130,6 +135,10 @@ class Model:
                 f"{component}.{name}: expected a variable of {self.where.name}, got none{nearest(name, self.variables)}"
             )
         return self.variables[name]
+
+    def is_discrete(self, name: str) -> bool:
+        """Whether a variable changes at instants only."""
+        return bool(self.variables[name].variability != "continuous")
 
     def unit(self, variable: ModelVariable) -> str | None:
         """Return the name of a variable's unit, its type's unit where it has none of its own."""
@@ -202,7 +211,7 @@ def _inside(path: Path, member: str | None) -> Path:
 def _opened(path: Path, member: str | None) -> str | BinaryIO:
     if member is None:
         return str(path)
-    with zipfile.ZipFile(path) as archive:
+    with open_archive(path, path) as archive:
         return io.BytesIO(archive.read(member))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from cosim.clock import Clock
 from cosim.errors import SetupError
-from cosim.instance import Instance
+from cosim.isolated import Slave
 
 
 class Rate(NamedTuple):
@@ -85,7 +85,7 @@ def _rate(name: str, step: float, clock: Clock) -> Rate:
 class Turn:
     """A component in its turn."""
 
-    instance: Instance
+    instance: Slave
     rate: Rate
 
 
@@ -120,15 +120,10 @@ class Plan:
 
 
 class Loop(Protocol):
-    """Turns the crank of a plan.
-
-    Attributes
-    ----------
-    done
-        Number of ticks that are complete.
-    """
+    """Turns the crank of a plan, run after run; each begins with :meth:`settle`."""
 
     done: int
+    """Number of ticks that are complete."""
 
     def settle(self) -> None:
         """Pass initial outputs along the connections until they settle.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
 import numpy as np
@@ -54,23 +54,42 @@ class Recorder:
     def _set_up(self, rows: int, keep: bool, sinks: Sequence[Sink]) -> None:
         self.rows = np.empty((rows, len(self.names) + 1))
         self._keep, self._sinks = keep, sinks
+        self._outside: Callable[[], AbstractContextManager[None]] = nullcontext
         self.first_tick = self._filled = self._written = 0
         self.complete = False
 
     @contextmanager
-    def recording(self, keep: bool, sinks: Sequence[Sink]) -> Iterator[None]:
-        """Record a run: make room for all its rows, or for a block of them; begin and end the sinks."""
+    def recording(
+        self, keep: bool, sinks: Sequence[Sink], outside: Callable[[], AbstractContextManager[None]] = nullcontext
+    ) -> Iterator[None]:
+        """Record a run: make room for all its rows, or for a block of them; begin and end the sinks.
+
+        Parameters
+        ----------
+        keep
+            Whether all rows stay in memory.
+        sinks
+            What else takes them.
+        outside
+            Around each call of those, which are the caller's own.
+        """
         rows = -(-self._clock.steps // self.every) + 1
         self._set_up(rows if keep else min(rows, BLOCK), keep, sinks)
+        if not sinks:
+            yield
+            return
+        self._outside = outside
         begun = []
         try:
-            for sink in sinks:
-                begun.append(sink)
-                sink.begin(self.names, self.units)
+            with outside():
+                for sink in sinks:
+                    begun.append(sink)
+                    sink.begin(self.names, self.units)
             yield
         finally:
-            for sink in begun:
-                sink.end(self.complete)
+            with outside():
+                for sink in begun:
+                    sink.end(self.complete)
 
     @property
     def room(self) -> int:
@@ -111,8 +130,10 @@ class Recorder:
     def _write(self, filled: int) -> None:
         self._filled = filled
         if filled > self._written:
-            for sink in self._sinks:
-                sink.write(self.rows[self._written : filled])
+            if self._sinks:
+                with self._outside():
+                    for sink in self._sinks:
+                        sink.write(self.rows[self._written : filled])
             self._written = filled
 
     def recorded(self) -> np.ndarray[Any, Any]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cosim.errors import CosimError, RunError, writing_to
 from cosim.formats import FileSink, sinks
+from cosim.isolated import TIME_LIMIT
 from cosim.manifest import Manifest
 from cosim.model import Value
 from cosim.results import MANIFEST, Result, clear
@@ -33,6 +34,8 @@ def run_to_folder(
     algorithm: Algorithm | None = None,
     real_time: bool = False,
     keep: bool = True,
+    isolate: Iterable[str] = (),
+    time_limit: float = TIME_LIMIT,
 ) -> Result:
     """Run a system and leave result and ``run.json`` in a folder; what an earlier run left there goes.
 
@@ -55,6 +58,8 @@ def run_to_folder(
         An open session of the system; otherwise its FMUs are loaded for this run.
     keep
         Whether the result is wanted in memory as well; otherwise the one returned has no rows.
+    isolate, time_limit
+        As of :class:`cosim.session.Session`; where one is given, its own count.
 
     Returns
     -------
@@ -69,7 +74,10 @@ def run_to_folder(
         If an FMU failed while loading or initialising.
     """
     record = None if record is None else list(record)
-    system.validate(stop_time, step_size, parameters, record, algorithm, record_every)
+    isolate, time_limit = (session.isolated, session.time_limit) if session else (list(isolate), time_limit)
+    system.validate(
+        stop_time, step_size, parameters, record, algorithm, record_every, isolate=isolate, time_limit=time_limit
+    )
     files = sinks(folder, formats)
     manifest = Manifest.of(
         system,
@@ -82,12 +90,14 @@ def run_to_folder(
         command=command,
         algorithm=algorithm,
         real_time=real_time,
+        isolate=isolate,
+        time_limit=time_limit,
     )
     with writing_to(folder):
         clear(folder)
         manifest.write(folder)
     try:
-        with nullcontext(session) if session else system.open() as opened:
+        with nullcontext(session) if session else system.open(isolate, time_limit) as opened:
             result = opened.run(
                 stop_time,
                 step_size,

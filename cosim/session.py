@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from copy import copy
 from pathlib import Path
 from typing import Any, NamedTuple, TypedDict
@@ -14,12 +14,17 @@ import numpy as np
 from cosim import stepper
 from cosim.clock import Pacer
 from cosim.errors import CosimError, RunError, SetupError
+from cosim.inputs import Settled
 from cosim.instance import Instance, extract, instantiate
+from cosim.interrupts import check, held, watched
+from cosim.isolated import MAX_TIME_LIMIT, TIME_LIMIT, IsolatedInstance, Slave
+from cosim.listening import ListeningLoop
 from cosim.master import PythonLoop, crank, watch
-from cosim.model import Value
+from cosim.model import Model, Value, nearest
 from cosim.plan import Loop, Plan, Turn, rates
 from cosim.recording import Recorder
 from cosim.results import LoopName, Result, Sink
+from cosim.stdout import Diversion
 from cosim.structure import ALGORITHMS, Algorithm, Port, Structure
 
 
@@ -40,6 +45,7 @@ class _Preparation(NamedTuple):
     plan: Plan
     recorder: Recorder
     loop: Loop
+    loop_name: LoopName
 
 
 class Session:
@@ -49,46 +55,111 @@ class Session:
     ----------
     system
         What to load; later changes of it do not count.
+    isolate
+        Components whose FMUs run in processes of their own.
+    time_limit
+        How long a call of an isolated FMU may take, in s.
+    divert_stdout
+        Whether what FMUs print becomes warnings; otherwise it goes where our own output goes.
+
+    Attributes
+    ----------
+    isolated, time_limit
+        As given, the components in the system's order.
+
+    Raises
+    ------
+    SetupError
+        If a component to isolate does not exist or the time limit is none.
     """
 
-    def __init__(self, system: Structure) -> None:
+    def __init__(
+        self,
+        system: Structure,
+        isolate: Iterable[str] = (),
+        time_limit: float = TIME_LIMIT,
+        divert_stdout: bool = True,
+    ) -> None:
+        isolate = set(isolate)
+        check_isolation(system, isolate, time_limit)
+        self.isolated = [name for name in system.models if name in isolate]
+        self.time_limit = time_limit
         self._system = copy(system)
         vars(self._system).update({name: copy(value) for name, value in vars(system).items()})
+        self._divert = divert_stdout
+        self._diversion: Diversion | None = None
         self._stack = ExitStack()
-        self._instances: dict[str, Instance] = {}
+        self._instances: dict[str, Slave] = {}
+        self._warnings: list[str] = []
         self._names = self._system.outputs()
         self._places = {name: place for place, name in enumerate(self._names)}
         self._table = np.zeros(len(self._names))
         self._request: tuple[object, ...] = ()
         self._preparation: _Preparation
+        self._given: tuple[str, ...] | None = None
+        self._settled: dict[str, Settled] = {}
 
     def __enter__(self) -> Session:
         """Extract, instantiate and wire all FMUs."""
+        self._diversion = Diversion() if self._divert else None
+        self._stack.enter_context(watched())
         try:
-            for name, model in self._system.models.items():
-                folder = self._stack.enter_context(tempfile.TemporaryDirectory(prefix="seat-cosim-"))
-                extract(model, Path(folder))
-                instance = instantiate(name, model, Path(folder))
-                self._stack.callback(instance.free)
-                self._instances[name] = instance
-                instance.wire(
-                    self._table,
-                    outputs={v.name: self._places[f"{name}.{v.name}"] for v in model.outputs},
-                    inputs={
-                        sink.variable: (self._places[str(feed.source)], feed.transformation)
-                        for sink, feed in self._system.connections.items()
-                        if sink.component == name
-                    },
-                )
+            with self._careful():
+                for name, model in self._system.models.items():
+                    self._load(name, model)
+                    check()
         except BaseException:
-            self._stack.close()
+            self._free()
             raise
         return self
 
     def __exit__(self, *exception: object) -> None:
         """Free all FMUs and remove their folders."""
+        self._free()
+
+    def _load(self, name: str, model: Model) -> None:
+        folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="seat-cosim-")))
+        extract(model, folder)
+        instance: Slave
+        if name in self.isolated:
+            instance = IsolatedInstance(name, model, folder, self.time_limit)
+        else:
+            instance = instantiate(name, model, folder)
+        self._stack.callback(instance.free)
+        self._instances[name] = instance
+        instance.wire(
+            self._table,
+            outputs={v.name: self._places[f"{name}.{v.name}"] for v in model.outputs},
+            inputs={
+                sink.variable: (self._places[str(feed.source)], feed.transformation)
+                for sink, feed in self._system.connections.items()
+                if sink.component == name
+            },
+        )
+
+    def _free(self) -> None:
+        """Free what was loaded; what the FMUs say to that joins the warnings of the last run."""
+        instances = {name: (instance, set(instance.warnings)) for name, instance in self._instances.items()}
         self._instances.clear()
-        self._stack.close()
+        self._request = ()
+        try:
+            with self._careful():
+                self._stack.close()
+        finally:
+            if self._diversion is not None:
+                self._diversion.close()
+            for name, (instance, known) in instances.items():
+                self._warnings += [f"{name}: {text}" for text in instance.warnings if text not in known]
+
+    @contextmanager
+    def _careful(self) -> Iterator[None]:
+        """Call FMUs: what they print does not reach our output, Ctrl-C waits until nothing is half done."""
+        with held(), self._diversion.on() if self._diversion is not None else nullcontext():
+            yield
+
+    def _outside(self) -> AbstractContextManager[None]:
+        """Call a caller's own code from there: it has its standard output."""
+        return self._diversion.off() if self._diversion is not None else nullcontext()
 
     def run(
         self,
@@ -145,16 +216,24 @@ class Session:
         ready = self._prepared(
             stop_time, step_size, None if record is None else tuple(record), algorithm, record_every, loop
         )
-        self._set_up(ready, parameters or {})
-        pacer = Pacer(ready.plan.clock) if real_time else None
-        with ready.recorder.recording(keep, sinks):
-            ended: Exception | None = None
+        with self._careful():
             try:
-                error = _turn(ready, progress, pacer)
-            finally:
-                ended = self._terminate()
-            error = error or ended
-            ready.recorder.complete = error is None
+                self._set_up(ready, parameters or {})
+            except BaseException as failure:
+                self._terminate(0.0, failure)
+                raise
+            pacer = Pacer(ready.plan.clock) if real_time else None
+            with ready.recorder.recording(keep, sinks, self._outside):
+                error: Exception | None = None
+                try:
+                    error = self._turn(ready, progress, pacer)
+                finally:
+                    error = self._terminate(ready.plan.clock.time(ready.loop.done), error)
+                ready.recorder.complete = error is None
+        self._warnings = [f"{i.name}: {text}" for i in self._instances.values() for text in i.warnings]
+        if isinstance(ready.loop, ListeningLoop):
+            self._warnings += ready.loop.warnings
+        self._warnings[:0] = self._system.notes(settled=self._settled)
         rows = ready.recorder.recorded()
         return Result(
             time=rows[:, 0],
@@ -162,11 +241,8 @@ class Session:
             units=dict(zip(ready.recorder.names, ready.recorder.units, strict=True)),
             complete=error is None,
             error=error,
-            warnings=[
-                *self._system.notes(parameters or {}),
-                *(f"{i.name}: {text}" for i in self._instances.values() for text in i.warnings),
-            ],
-            loop="c" if isinstance(ready.loop, stepper.CLoop) else "python",
+            warnings=self._warnings,
+            loop=ready.loop_name,
             missed_deadlines=pacer.missed if pacer else 0,
             worst_lateness=pacer.worst if pacer else 0.0,
         )
@@ -197,38 +273,100 @@ class Session:
             plan,
             names,
             units=[system.unit(name) for name in names],
-            discrete=[self._instances[n.component].is_discrete(n.variable) for n in map(Port.parse, names)],
+            discrete=[system.models[n.component].is_discrete(n.variable) for n in map(Port.parse, names)],
             every=record_every,
         )
-        calls = [turn.instance.calls() for turn in turns] if stepper.load() and loop != "python" else [None]
-        callable_ = [call for call in calls if call is not None]
-        if len(callable_) == len(calls):
-            return _Preparation(plan, recorder, stepper.CLoop(plan, callable_, recorder))
-        if loop == "c":
+        turning = self._loop_in_c(plan, recorder) if stepper.load() and loop != "python" else None
+        if turning is None and loop == "c":
             raise SetupError("loop: expected FMUs that can be called from C, got one in a process of its own")
-        return _Preparation(plan, recorder, PythonLoop(plan, recorder))
+        chosen: Loop = turning or PythonLoop(plan, recorder)
+        here = [name for name in self._instances if name not in self.isolated]
+        if self._diversion is not None and here:
+            chosen = ListeningLoop(chosen, plan, recorder, here)
+        return _Preparation(plan, recorder, chosen, "c" if turning else "python")
+
+    @staticmethod
+    def _loop_in_c(plan: Plan, recorder: Recorder) -> stepper.CLoop | None:
+        """Make the loop in C, if it can call all FMUs."""
+        instances = [turn.instance for turn in plan.turns if isinstance(turn.instance, Instance)]
+        calls = [call for instance in instances if (call := instance.calls()) is not None]
+        return stepper.CLoop(plan, instances, calls, recorder) if len(calls) == len(plan.turns) else None
 
     def _set_up(self, ready: _Preparation, parameters: Mapping[str, Value]) -> None:
         """Start all FMUs and pass initial outputs along the connections until they settle."""
-        values = self._system.check(parameters)
+        if tuple(parameters) != self._given:  # what becomes of inputs depends on names, not on values
+            self._settled, self._given = self._system.settled(parameters), tuple(parameters)
+        values = self._system.check(parameters, self._settled)
         self._table[:] = 0.0
         ready.loop.done = 0
         for instance in self._instances.values():
             instance.start(ready.plan.clock.stop_time, values[instance.name])
+            check()
         ready.loop.settle()
         for instance in self._instances.values():
             instance.finish_initialisation()
+            check()
         ready.loop.read()
 
-    def _terminate(self) -> Exception | None:
-        """Terminate all FMUs; one that fails to does not keep the others from it."""
-        error: Exception | None = None
+    def _turn(
+        self, ready: _Preparation, progress: Callable[[float], None] | None, pacer: Pacer | None
+    ) -> Exception | None:
+        """Step to the end; returns why that was not reached."""
+        plan, recorder, loop = ready.plan, ready.recorder, ready.loop
+
+        def between(done: int) -> None:
+            recorder.flush(done)
+            if progress is not None:
+                with self._outside():
+                    progress(plan.clock.time(done))
+
+        try:
+            crank(loop, plan, recorder.room, between, pacer)
+            watch(plan, plan.clock.steps)
+        except CosimError as failure:
+            error: CosimError = failure
+        except KeyboardInterrupt:
+            error = RunError(f"interrupted at t = {plan.clock.time(loop.done):g} s")
+        else:
+            recorder.last()
+            return None
+        recorder.flush(loop.done)
+        return error
+
+    def _terminate(self, time: float = 0.0, error: BaseException | None = None) -> Exception | None:
+        """Terminate all FMUs at a time in s; one that fails to does not keep the others from it.
+
+        Returns what went wrong first: ``error``, if it is not None.
+        """
         for instance in self._instances.values():
             try:
-                instance.terminate()
+                instance.terminate(time)
             except RunError as failure:
                 error = error or failure
-        return error
+        try:
+            check()
+        except KeyboardInterrupt:
+            error = error or RunError(f"interrupted at t = {time:g} s")
+        return error if isinstance(error, Exception) else None
+
+
+def check_isolation(system: Structure, components: Iterable[str], time_limit: float = TIME_LIMIT) -> None:
+    """Check what to isolate.
+
+    Raises
+    ------
+    SetupError
+        With all problems found.
+    """
+    problems = [
+        f"isolate {name}: expected a component among {', '.join(system.models) or 'none'}, got none of that name"
+        + nearest(name, system.models)
+        for name in sorted(set(components).difference(system.models))
+    ]
+    if not 0.0 < time_limit <= MAX_TIME_LIMIT:
+        problems.append(f"time limit: expected more than 0 and at most {MAX_TIME_LIMIT:g} s, got {time_limit} s")
+    if problems:
+        raise SetupError(*problems)
 
 
 def check_choices(algorithm: Algorithm | None, record_every: int, loop: LoopName | None) -> None:
@@ -250,26 +388,3 @@ def check_choices(algorithm: Algorithm | None, record_every: int, loop: LoopName
         problems.append("loop: expected the one in C to be built, got none of this version; run: seat-cosim build")
     if problems:
         raise SetupError(*problems)
-
-
-def _turn(ready: _Preparation, progress: Callable[[float], None] | None, pacer: Pacer | None) -> Exception | None:
-    """Step to the end; returns why that was not reached."""
-    plan, recorder, loop = ready.plan, ready.recorder, ready.loop
-
-    def between(done: int) -> None:
-        recorder.flush(done)
-        if progress is not None:
-            progress(plan.clock.time(done))
-
-    try:
-        crank(loop, plan, recorder.room, between, pacer)
-        watch(plan, plan.clock.steps)
-    except CosimError as failure:
-        error: CosimError = failure
-    except KeyboardInterrupt:
-        error = RunError(f"interrupted at t = {plan.clock.time(loop.done):g} s")
-    else:
-        recorder.last()
-        return None
-    recorder.flush(loop.done)
-    return error

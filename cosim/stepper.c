@@ -17,6 +17,7 @@
 enum { WORST_ACCEPTED = 1 }; /* a warning: FMI 2.0 and 3.0 number their status alike */
 
 typedef void (*Function)(void); /* of an FMU; called by its own type */
+typedef void Notice(void);      /* of the world outside */
 
 typedef int Access2(void *instance, const uint32_t *references, size_t count, void *values);
 typedef int Access3(void *instance, const uint32_t *references, size_t count, void *values, size_t value_count);
@@ -40,6 +41,7 @@ typedef struct {
     const int64_t *places;           /* NULL of an output that is read right into the table */
     const double *factors, *offsets; /* NULL where values stay as they are */
     int64_t count, type, discrete;
+    int64_t warned; /* whether the world outside knows that this call warns in this run */
 } Port;
 
 typedef struct {
@@ -49,6 +51,7 @@ typedef struct {
     int64_t input_count, output_count, standard;
     int64_t every, parts; /* it steps at every n-th tick, in so many parts */
     double step_size;     /* of one part, in s */
+    int64_t warned;       /* as of a port: whether its step does */
 } Component;
 
 /* A value that is recorded: table[place] into a row's column. */
@@ -58,26 +61,52 @@ typedef struct {
 
 typedef enum { NOTHING, SETTING, STEPPING, GETTING, ASKED_TO_END, RETURNED_EARLY, NOT_FINITE } Cause;
 
-/* What ended a call. */
+/* What is called now, so that who hears an FMU's message can tell where it comes from; in the end, what went wrong. */
 typedef struct {
     int64_t cause, component, which, status; /* which: input or output port, or part of a step */
     double reached;
-} Fault;
+} Now;
 
 typedef struct {
-    const Component *components; /* in their order */
+    Component *components;       /* in their order */
     double *table, *before;      /* all outputs' values; room for as many */
     double *rows;                /* where the row of tick `first_recorded` goes; the others follow */
     const Cell *continuous, *discrete;
     int64_t component_count, group, table_size, width, continuous_count, discrete_count, record_every, first_recorded;
     int64_t done; /* number of ticks that are complete */
     double step_size;
-    Fault fault;
+    Notice *warned; /* called when a call warns for the first time in a run; `now` says which */
+    Now now;
 } Plan;
 
 EXPORT const char *stepper_source(void)
 {
     return STEPPER_SOURCE;
+}
+
+/* ---- what is called and what comes of it ------------------------------------------------------------------------- */
+
+static inline void call_begins(Plan *plan, Cause cause, int64_t component, int64_t which)
+{
+    plan->now.cause = cause;
+    plan->now.component = component;
+    plan->now.which = which;
+}
+
+static bool judge(Plan *plan, int status, int64_t *warned)
+{
+    plan->now.status = status;
+    if (status <= WORST_ACCEPTED && !*warned) {
+        *warned = 1;
+        plan->warned();
+    }
+    return status <= WORST_ACCEPTED;
+}
+
+/* Whether a run can go on after a call. */
+static inline bool accepted(Plan *plan, int status, int64_t *warned)
+{
+    return status == 0 || judge(plan, status, warned);
 }
 
 /* ---- exchange of values ------------------------------------------------------------------------------------------ */
@@ -131,17 +160,11 @@ static void empty_buffer(const Port *port, double table[])
     }
 }
 
-static bool failed(Plan *plan, Cause cause, int64_t component, int64_t which, int status)
-{
-    plan->fault = (Fault){cause, component, which, status, plan->fault.reached};
-    return false;
-}
-
 static bool take_inputs(Plan *plan, int64_t index)
 {
     const Component *it = &plan->components[index];
     for (int64_t p = 0; p < it->input_count; ++p) {
-        const Port *port = &it->inputs[p];
+        Port *port = &it->inputs[p];
         if (port->type == TYPE_DOUBLE && port->factors == NULL) { /* nearly always */
             double *buffer = port->buffer;
             for (int64_t i = 0; i < port->count; ++i) {
@@ -150,9 +173,9 @@ static bool take_inputs(Plan *plan, int64_t index)
         } else {
             fill_buffer(port, plan->table);
         }
-        const int status = call_access(it, port);
-        if (status > WORST_ACCEPTED) {
-            return failed(plan, SETTING, index, p, status);
+        call_begins(plan, SETTING, index, p);
+        if (!accepted(plan, call_access(it, port), &port->warned)) {
+            return false;
         }
     }
     return true;
@@ -164,13 +187,13 @@ static bool give_outputs(Plan *plan, int64_t index, Which which)
 {
     const Component *it = &plan->components[index];
     for (int64_t p = 0; p < it->output_count; ++p) {
-        const Port *port = &it->outputs[p];
+        Port *port = &it->outputs[p];
         if ((which & (port->discrete ? DISCRETE : CONTINUOUS)) == 0) {
             continue;
         }
-        const int status = call_access(it, port);
-        if (status > WORST_ACCEPTED) {
-            return failed(plan, GETTING, index, p, status);
+        call_begins(plan, GETTING, index, p);
+        if (!accepted(plan, call_access(it, port), &port->warned)) {
+            return false;
         }
         if (port->places != NULL) {
             empty_buffer(port, plan->table);
@@ -192,9 +215,25 @@ static bool differs(const Plan *plan)
     return false;
 }
 
+/* A run begins: nobody has warned. */
+static void forget_warnings(const Plan *plan)
+{
+    for (int64_t i = 0; i < plan->component_count; ++i) {
+        Component *it = &plan->components[i];
+        it->warned = 0;
+        for (int64_t p = 0; p < it->input_count; ++p) {
+            it->inputs[p].warned = 0;
+        }
+        for (int64_t p = 0; p < it->output_count; ++p) {
+            it->outputs[p].warned = 0;
+        }
+    }
+}
+
 /* Pass initial outputs along the connections until they settle, at most as often as the longest chain asks for. */
 EXPORT bool stepper_settle(Plan *plan)
 {
+    forget_warnings(plan);
     bool moving = true;
     for (int64_t round = 0; round < plan->component_count && moving; ++round) {
         memcpy(plan->before, plan->table, (size_t)plan->table_size * sizeof *plan->table);
@@ -223,22 +262,25 @@ EXPORT bool stepper_read(Plan *plan)
 
 static bool advance(Plan *plan, int64_t index, int64_t tick)
 {
-    const Component *it = &plan->components[index];
+    Component *it = &plan->components[index];
     const int64_t first = it->every == 1 && it->parts == 1 ? tick : tick / it->every * it->parts;
     for (int64_t part = 0; part < it->parts; ++part) {
         const double time = (double)(first + part) * it->step_size;
+        call_begins(plan, STEPPING, index, part);
         if (it->standard == 2) {
-            const int status = ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1);
-            if (status > WORST_ACCEPTED) {
-                return failed(plan, STEPPING, index, part, status);
+            if (!accepted(plan, ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1), &it->warned)) {
+                return false;
             }
         } else {
             bool event = false, terminate = false, early = false;
             const int status = ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early,
-                                                     &plan->fault.reached);
-            if (status > WORST_ACCEPTED || terminate || early) {
-                return failed(plan, status > WORST_ACCEPTED ? STEPPING : terminate ? ASKED_TO_END : RETURNED_EARLY,
-                              index, part, status);
+                                                     &plan->now.reached);
+            if (!accepted(plan, status, &it->warned)) {
+                return false;
+            }
+            if (terminate || early) {
+                plan->now.cause = terminate ? ASKED_TO_END : RETURNED_EARLY;
+                return false;
             }
         }
     }
@@ -303,7 +345,7 @@ static void record(const Plan *plan, double row[], const Cell cells[], int64_t c
     }
 }
 
-/* Step from tick `first` to tick `last`; returns whether nothing is wrong, else `fault` says what. */
+/* Step from tick `first` to tick `last`; returns whether nothing is wrong, else `now` says what. */
 EXPORT bool stepper_run(Plan *plan, int64_t first, int64_t last)
 {
     int64_t until_row = (plan->record_every - first % plan->record_every) % plan->record_every;
@@ -311,7 +353,8 @@ EXPORT bool stepper_run(Plan *plan, int64_t first, int64_t last)
     for (int64_t tick = first; tick < last; ++tick) {
         const bool recorded = until_row == 0;
         if (!all_finite(plan)) {
-            return failed(plan, NOT_FINITE, 0, 0, 0);
+            plan->now.cause = NOT_FINITE;
+            return false;
         }
         if (recorded) {
             row[0] = (double)tick * plan->step_size;

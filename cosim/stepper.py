@@ -13,10 +13,11 @@ import numpy as np
 from fmpy import platform_tuple, sharedLibraryExtension
 from fmpy.fmi1 import FMICallException
 
+from cosim.calls import Calls, Port
 from cosim.errors import RunError
-from cosim.instance import Calls, Port
+from cosim.instance import Instance
 from cosim.master import watch
-from cosim.plan import Plan, Turn
+from cosim.plan import Plan
 from cosim.recording import Recorder
 
 BUILT = Path(__file__).with_name("built")
@@ -73,21 +74,24 @@ def _fields(kind: Any, names: str) -> dict[str, Any]:
 
 _Port = _structure(
     **_fields(ctypes.c_void_p, "function references buffer places factors offsets"),
-    **_fields(ctypes.c_int64, "count type discrete"),
+    **_fields(ctypes.c_int64, "count type discrete warned"),
 )
 _Component = _structure(
     **_fields(ctypes.c_void_p, "instance step inputs outputs"),
     **_fields(ctypes.c_int64, "input_count output_count standard every parts"),
     step_size=ctypes.c_double,
+    warned=ctypes.c_int64,
 )
-_Fault = _structure(**_fields(ctypes.c_int64, "cause component which status"), reached=ctypes.c_double)
+_Now = _structure(**_fields(ctypes.c_int64, "cause component which status"), reached=ctypes.c_double)
 _Plan = _structure(
     **_fields(ctypes.c_void_p, "components table before rows continuous discrete"),
     **_fields(ctypes.c_int64, "component_count group table_size width continuous_count discrete_count"),
     **_fields(ctypes.c_int64, "record_every first_recorded done"),
     step_size=ctypes.c_double,
-    fault=_Fault,
+    warned=ctypes.c_void_p,
+    now=_Now,
 )
+_Notice = ctypes.CFUNCTYPE(None)
 
 
 def _address(array: np.ndarray[Any, Any] | None) -> int | None:
@@ -112,6 +116,56 @@ def _port(port: Port) -> ctypes.Structure:
     )
 
 
+class _Watcher:
+    """Knows where the loop in C is.
+
+    Parameters
+    ----------
+    plan
+        What it steps.
+    instances, calls
+        Its components and their functions, in the order of the plan.
+    c
+        The plan as a structure of the C source.
+    """
+
+    CAUSES: ClassVar = ("nothing", "setting", "stepping", "getting", "asked to end", "returned early", "not finite")
+    """What may be called or go wrong, in the order of the C source."""
+
+    def __init__(self, plan: Plan, instances: Sequence[Instance], calls: Sequence[Calls], c: Any) -> None:
+        self._plan, self._instances, self._calls, self._c = plan, instances, calls, c
+
+    def where(self) -> tuple[str, float]:
+        """Name what is called, and its time in s."""
+        now, tick = self._c.now, self._c.done
+        calls = self._calls[now.component]
+        if self.CAUSES[now.cause] in ("setting", "getting"):
+            ports = calls.inputs if self.CAUSES[now.cause] == "setting" else calls.outputs
+            return ports[now.which].access.name, self._plan.clock.time(tick)
+        return calls.step_name, self._plan.turns[now.component].rate.time(tick, now.which)
+
+    def warned(self) -> None:
+        """Take note that what is called has warned."""
+        self._instances[self._c.now.component].journal.warned(*self.where())
+
+    def failure(self) -> RunError:
+        """Describe what went wrong, in the words of the loop in Python."""
+        now = self._c.now
+        cause = self.CAUSES[now.cause]
+        if cause == "not finite":
+            try:
+                watch(self._plan, self._c.done)
+            except RunError as error:
+                return error
+        instance: Instance = self._instances[now.component]
+        name, time = self.where()
+        if cause == "asked to end":
+            return instance.asked_to_end(name, now.reached)
+        if cause == "returned early":
+            return instance.returned_early(name, now.reached)
+        return instance.failure(FMICallException(function=name, status=now.status), name, time)
+
+
 class CLoop:
     """The loop in C; :class:`cosim.master.PythonLoop` does the same.
 
@@ -119,24 +173,18 @@ class CLoop:
     ----------
     plan
         What to step.
-    calls
-        The functions of its FMUs, in the order of the plan.
+    instances, calls
+        Its components and their functions, in the order of the plan.
     recorder
         What records it.
     """
 
-    CAUSES: ClassVar = ("nothing", "setting", "stepping", "getting", "asked to end", "returned early", "not finite")
-    """What may go wrong, in the order of the C source."""
-
-    def __init__(self, plan: Plan, calls: Sequence[Calls], recorder: Recorder) -> None:
+    def __init__(self, plan: Plan, instances: Sequence[Instance], calls: Sequence[Calls], recorder: Recorder) -> None:
         self._library = load()
-        self._plan = plan
-        self._calls = calls
         self._recorder = recorder
         self._held: list[Any] = []  # what the structures point to
-        components = self._hold((_Component * len(calls))(*self._components()))
-        before = np.zeros_like(plan.table)
-        self._held.append(before)
+        components = self._hold((_Component * len(calls))(*self._components(plan, calls)))
+        before = self._hold(np.zeros_like(plan.table))
         self._c = _Plan(
             components=ctypes.addressof(components),
             table=_address(plan.table),
@@ -152,14 +200,17 @@ class CLoop:
             step_size=plan.clock.step_size,
         )
         self._pointer = ctypes.addressof(self._c)
+        self._watcher = _Watcher(plan, instances, calls, self._c)
+        self._journals = [instance.journal for instance in instances]
+        self._c.warned = _function(self._hold(_Notice(self._watcher.warned)))
 
     def _hold(self, thing: Any) -> Any:
         self._held.append(thing)
         return thing
 
-    def _components(self) -> list[ctypes.Structure]:
+    def _components(self, plan: Plan, components: Sequence[Calls]) -> list[ctypes.Structure]:
         found = []
-        for turn, calls in zip(self._plan.turns, self._calls, strict=True):
+        for turn, calls in zip(plan.turns, components, strict=True):
             ports = [self._hold((_Port * len(p))(*map(_port, p))) for p in (calls.inputs, calls.outputs)]
             found.append(
                 _Component(
@@ -188,40 +239,27 @@ class CLoop:
 
     def settle(self) -> None:
         """Pass initial outputs along the connections until they settle."""
-        if not self._library.stepper_settle(self._pointer):
-            raise self._failure("initial exchange", 0)
+        self._call(self._library.stepper_settle)
 
     def read(self) -> None:
         """Read all outputs."""
-        if not self._library.stepper_read(self._pointer):
-            raise self._failure("initial exchange", 0)
+        self._call(self._library.stepper_read)
 
     def run(self, first: int, last: int) -> None:
         """Step from one tick to another, recording."""
         self._c.rows = self._recorder.rows.ctypes.data
         self._c.width = self._recorder.rows.shape[1]
         self._c.first_recorded = self._recorder.first_tick
-        if not self._library.stepper_run(self._pointer, first, last):
-            raise self._failure("step", self.done)
+        self._call(self._library.stepper_run, first, last)
 
-    def _failure(self, call: str, tick: int) -> RunError:
-        """Describe what the C source calls a fault, in the words of the loop in Python."""
-        fault = self._c.fault
-        cause = self.CAUSES[fault.cause]
-        if cause == "not finite":
-            try:
-                watch(self._plan, tick)
-            except RunError as error:
-                return error
-        turn: Turn = self._plan.turns[fault.component]
-        calls: Calls = self._calls[fault.component]
-        if cause == "asked to end":
-            return turn.instance.asked_to_end(calls.step_name, fault.reached)
-        if cause == "returned early":
-            return turn.instance.returned_early(calls.step_name, fault.reached)
-        if cause == "stepping":
-            name, time = calls.step_name, turn.rate.time(tick, fault.which)
-        else:
-            ports = calls.inputs if cause == "setting" else calls.outputs
-            name, time = ports[fault.which].access.name, self._plan.clock.time(tick)
-        return turn.instance.failure(FMICallException(function=name, status=fault.status), call, time)
+    def _call(self, function: Any, *arguments: int) -> None:
+        """Call a function of the C source; what FMUs say meanwhile they say where the loop in C is."""
+        for journal in self._journals:
+            journal.elsewhere = self._watcher.where
+        try:
+            well = function(self._pointer, *arguments)
+        finally:
+            for journal in self._journals:
+                journal.elsewhere = None
+        if not well:
+            raise self._watcher.failure()

@@ -291,13 +291,17 @@ class Structure:
 
     # ---- checks ------------------------------------------------------------------------------------------------------
 
-    def check(self, parameters: Mapping[str, Value]) -> dict[str, dict[str, float | str]]:
+    def check(
+        self, parameters: Mapping[str, Value], settled: Mapping[str, Settled] | None = None
+    ) -> dict[str, dict[str, float | str]]:
         """Check the system's own parameters and those of a run, which win, against the descriptions.
 
         Parameters
         ----------
         parameters
             ``component.variable`` to value.
+        settled
+            What :meth:`settled` gives for them, where that is known already.
 
         Returns
         -------
@@ -312,9 +316,9 @@ class Structure:
         values: dict[str, dict[str, float | str]] = {name: {} for name in self.models}
         problems: list[str] = []
         given = {**self.parameters, **parameters}
-        for name, settled in self._settled(given).items():
-            problems += settled.problems
-            given |= {f"{name}.{parameter}": value for parameter, value in settled.settings.items()}
+        for name, inputs in (self.settled(parameters) if settled is None else settled).items():
+            problems += inputs.problems
+            given |= {f"{name}.{parameter}": value for parameter, value in inputs.settings.items()}
         for text, value in given.items():
             try:
                 port = Port.parse(text)
@@ -330,15 +334,15 @@ class Structure:
             raise SetupError(*problems)
         return values
 
-    def _settled(self, given: Iterable[str]) -> dict[str, Settled]:
-        """Decide what becomes of inputs that nothing feeds, by component."""
-        fed = {str(sink) for sink in self.connections}
-        return {name: settle(name, model, fed, set(given)) for name, model in self.models.items()}
+    def settled(self, parameters: Iterable[str] = ()) -> dict[str, Settled]:
+        """Decide what becomes of inputs that nothing feeds, by component, where a run sets these parameters."""
+        fed, given = {str(sink) for sink in self.connections}, {*self.parameters, *parameters}
+        return {name: settle(name, model, fed, given) for name, model in self.models.items()}
 
-    def notes(self, parameters: Iterable[str] = ()) -> list[str]:
-        """Say what a user should know: what was passed over, and which inputs nothing feeds in a run."""
-        settled = self._settled({*self.parameters, *parameters}).values()
-        return [*self.passed_over, *(note for inputs in settled for note in inputs.notes)]
+    def notes(self, parameters: Iterable[str] = (), settled: Mapping[str, Settled] | None = None) -> list[str]:
+        """Say what a user should know: what was passed over, and which inputs nothing feeds; see :meth:`check`."""
+        known = self.settled(parameters) if settled is None else settled
+        return [*self.passed_over, *(note for inputs in known.values() for note in inputs.notes)]
 
     def outputs(self) -> list[str]:
         """Name all outputs as ``component.variable``, in order."""

@@ -8,10 +8,11 @@ from typing import Self, Unpack
 
 from cosim.editing import edit, parse_source
 from cosim.errors import SetupError, writing_to
+from cosim.isolated import TIME_LIMIT
 from cosim.model import Value
 from cosim.plan import rates
 from cosim.results import LoopName, Result
-from cosim.session import Options, Session, check_choices
+from cosim.session import Options, Session, check_choices, check_isolation
 from cosim.ssp import load, package_contents
 from cosim.structure import Algorithm, Structure
 
@@ -76,8 +77,10 @@ class System(Structure):
         algorithm: Algorithm | None = None,
         record_every: int = 1,
         loop: LoopName | None = None,
+        isolate: Iterable[str] = (),
+        time_limit: float = TIME_LIMIT,
     ) -> None:
-        """Check all that can be checked before an FMU is loaded.
+        """Check all that can be checked before an FMU is loaded; parameters as of :meth:`open` and a session's run.
 
         Raises
         ------
@@ -90,6 +93,7 @@ class System(Structure):
             lambda: self.check(parameters or {}),
             lambda: self.recorded(record),
             lambda: check_choices(algorithm, record_every, loop),
+            lambda: check_isolation(self, isolate, time_limit),
         ):
             try:
                 check()
@@ -129,9 +133,14 @@ class System(Structure):
             new.append((output if complete else f"{name}.{output}", transformation, sink))
         edit(self, {name: fmu}, (), new)
 
-    def open(self) -> Session:
-        """Load all FMUs, for one run or many; use it in a ``with`` statement."""
-        return Session(self)
+    def open(self, isolate: Iterable[str] = (), time_limit: float = TIME_LIMIT, divert_stdout: bool = True) -> Session:
+        """Load all FMUs, for one run or many; use it in a ``with`` statement.
+
+        Parameters are those of :class:`cosim.session.Session`: ``isolate`` names components whose FMUs run in processes
+        of their own, each call of them limited to ``time_limit`` s; what FMUs print becomes warnings, unless
+        ``divert_stdout`` is false.
+        """
+        return Session(self, isolate, time_limit, divert_stdout)
 
     def simulate(
         self,
@@ -140,11 +149,15 @@ class System(Structure):
         parameters: Mapping[str, Value] | None = None,
         record: Iterable[str] | None = None,
         progress: Callable[[float], None] | None = None,
+        *,
+        isolate: Iterable[str] = (),
+        time_limit: float = TIME_LIMIT,
+        divert_stdout: bool = True,
         **options: Unpack[Options],
     ) -> Result:
-        """Load, run once, free; see :meth:`cosim.session.Session.run`."""
-        record = None if record is None else list(record)
+        """Load, run once, free; see :meth:`open` and :meth:`cosim.session.Session.run`."""
+        record, isolate = None if record is None else list(record), set(isolate)
         choices = options.get("algorithm"), options.get("record_every", 1), options.get("loop")
-        self.validate(stop_time, step_size, parameters, record, *choices)
-        with self.open() as session:
+        self.validate(stop_time, step_size, parameters, record, *choices, isolate, time_limit)
+        with self.open(isolate, time_limit, divert_stdout) as session:
             return session.run(stop_time, step_size, parameters, record, progress, **options)

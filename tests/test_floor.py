@@ -261,4 +261,4 @@ def test_an_input_that_is_not_alive_must_still_be_a_number(seat: Instance):
     seat.wire(table, {"driver_acceleration": 1}, {"floor_velocity": 0})
     with pytest.raises(FMICallException):
         seat.step(0.0, H)
-    assert "floor_velocity: expected a finite number, got nan" in seat.journal[-1][1]
+    assert "floor_velocity: expected a finite number, got nan" in seat.journal.entries[-1].text

@@ -726,7 +726,7 @@ def test_an_archive_with_a_path_that_leaves_it_is_refused(seat_ssp: Path, tmp_pa
     path.write_bytes(seat_ssp.read_bytes())
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr(name, "out")
-    with pytest.raises(SetupError, match="bad.ssp: expected paths that stay in the archive, got"):
+    with pytest.raises(SetupError, match=r"bad.ssp: member .*: expected a relative path"):
         System.load(path)
 
 

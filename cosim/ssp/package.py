@@ -8,6 +8,7 @@ import zlib
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
+from cosim.archives import leaves, open_archive
 from cosim.errors import SetupError
 from cosim.model import Model
 
@@ -49,7 +50,7 @@ class Package:
     Raises
     ------
     SetupError
-        If there is no such file, it is no archive, or one with a path that leaves its folder.
+        If there is no such file, it is no archive, or one that cannot be extracted safely.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -61,13 +62,10 @@ class Package:
         if not self._path.is_file():
             raise SetupError(f"{self._path}: expected a system structure (.ssp or .ssd), got no such file")
         try:
-            with zipfile.ZipFile(self._path) as archive:
-                names = archive.namelist()
+            with open_archive(self._path, self._path) as archive:
+                self._members = frozenset(archive.namelist())
         except _DAMAGED:
             raise SetupError(f"{self._path}: expected an .ssp file (a zip archive), got another kind of file") from None
-        if unsafe := [name for name in names if _leaves(name)]:
-            raise SetupError(f"{self._path}: expected paths that stay in the archive, got {unsafe[0]}")
-        self._members = frozenset(names)
         self.where = self._path / DESCRIPTION
 
     def description(self) -> bytes:
@@ -115,7 +113,7 @@ class Package:
         """Read a file inside a resource that is an archive, and say where that is; errors as those of :meth:`read`."""
         where, name = self.locate(archive) / unquote(uri), self._name(uri)
         try:
-            with zipfile.ZipFile(io.BytesIO(self.read(archive))) as opened:
+            with open_archive(io.BytesIO(self.read(archive)), self.locate(archive)) as opened:
                 return opened.read(name), str(where)
         except KeyError:
             raise SetupError(f"{where}: expected a file in the archive, got none of that name") from None
@@ -130,7 +128,7 @@ class Package:
         """Find the file that a URI names."""
         parts = urlsplit(uri)
         name = unquote(parts.path)
-        if parts.scheme or parts.netloc or parts.query or parts.fragment or not name or _leaves(name):
+        if parts.scheme or parts.netloc or parts.query or parts.fragment or not name or leaves(name):
             raise SetupError(f"{self.where}: expected a source in the folder of the description, got {uri!r}")
         return str(PurePosixPath(name))
 
@@ -145,8 +143,3 @@ class Package:
     def _check(self, name: str) -> None:
         if self._members is not None and name not in self._members:
             raise SetupError(f"{self._path / name}: expected a file in the archive, got none of that name")
-
-
-def _leaves(name: str) -> bool:
-    """Whether a path may lead out of the folder it is relative to, on any platform."""
-    return name.startswith("/") or "\\" in name or ":" in name or ".." in name.split("/")

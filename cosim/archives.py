@@ -1,0 +1,94 @@
+"""Archives from outside: what is wrong with one is seen before anything of it is extracted."""
+
+from __future__ import annotations
+
+import stat
+import zipfile
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+from typing import BinaryIO
+
+from cosim.errors import SetupError
+
+LARGEST = 8 * 2**30
+"""Bytes an archive may have when extracted."""
+
+LARGEST_RATIO = 200
+"""How many times its own size an archive may have when extracted, where that is more than ``UNSUSPICIOUS``: tables of
+numbers shrink 2 to 10 times, what is made to fill a disk 1000 times."""
+
+UNSUSPICIOUS = 100 * 2**20
+"""Bytes that do no harm, however well they were compressed."""
+
+_TOLD = 5
+"""How many problems of one archive are told."""
+
+
+def check_archive(archive: zipfile.ZipFile, where: Path) -> None:
+    """Check that an archive can be extracted into a folder, and nowhere else.
+
+    Parameters
+    ----------
+    archive
+        An open one; only its table of contents is read.
+    where
+        The archive, as messages call it.
+
+    Raises
+    ------
+    SetupError
+        If a member's path leaves the folder or is not portable, comes twice, is a link or encrypted, or if the whole is
+        too large; with the members' names. What a member declares to be its size is more than it can be extracted to.
+    """
+    members = archive.infolist()
+    problems = [f"{where}: {problem}" for problem in (*_problems(members), *_size(members))]
+    if problems:
+        more = [f"{where}: {len(problems) - _TOLD} more problems"] if len(problems) > _TOLD else []
+        raise SetupError(*problems[:_TOLD], *more)
+
+
+def open_archive(file: str | Path | BinaryIO, where: Path) -> zipfile.ZipFile:
+    """Open an archive that can be extracted safely; exceptions as those of :func:`check_archive` and zipfile."""
+    archive = zipfile.ZipFile(file)
+    try:
+        check_archive(archive, where)
+    except BaseException:
+        archive.close()
+        raise
+    return archive
+
+
+def leaves(name: str) -> bool:
+    """Whether a path may lead out of the folder it is relative to, on any platform."""
+    path = PurePosixPath(name)
+    return "\\" in name or ":" in name or "\0" in name or path.is_absolute() or ".." in path.parts
+
+
+def _problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
+    times = Counter(str(PurePosixPath(member.filename)) for member in members)
+    for member in members:
+        name = member.orig_filename  # before zipfile makes it harmless
+        kind = stat.S_IFMT(member.external_attr >> 16)
+        if leaves(name) or not PurePosixPath(name).parts:
+            yield f"member {name!r}: expected a relative path with forward slashes inside the archive"
+        if kind not in (0, stat.S_IFREG, stat.S_IFDIR):
+            yield f"member {name!r}: expected a file or folder, got a link or a device"
+        if member.flag_bits & 1:
+            yield f"member {name!r}: expected no encryption, got an encrypted member"
+        if times[str(PurePosixPath(member.filename))] > 1:
+            times[str(PurePosixPath(member.filename))] = 0
+            yield f"member {name!r}: expected it once, got it several times"
+
+
+def _size(members: list[zipfile.ZipInfo]) -> Iterator[str]:
+    if not members:
+        return
+    size = sum(member.file_size for member in members)
+    packed = sum(member.compress_size for member in members)
+    largest = max(members, key=lambda member: member.file_size)
+    whole = f"got {size / 2**20:.0f} MiB from {packed / 2**20:.3g} MiB (largest member: {largest.filename!r})"
+    if size > LARGEST:
+        yield f"expected at most {LARGEST / 2**20:.0f} MiB when extracted, {whole}"
+    elif size > UNSUSPICIOUS and size > LARGEST_RATIO * packed:
+        yield f"expected at most {LARGEST_RATIO} times the packed size when extracted, {whole}"

@@ -1,0 +1,124 @@
+"""Standard output while FMUs run: what they print goes to a file and becomes a warning instead of spoiling ours.
+
+File descriptor 1 belongs to the whole process. While it is diverted, whatever another thread prints is diverted, too,
+and cannot be told from what an FMU prints; sessions that overlap in several threads share the newest diversion.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import io
+import os
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import TextIO
+
+_libc = ctypes.CDLL(None) if os.name == "posix" else ctypes.CDLL("ucrtbase")
+_FD = 1
+
+_lock = threading.Lock()
+_diversions: list[Diversion] = []
+"""Those in force; output goes to the last."""
+
+_kept: list[int] = []
+"""A copy of the descriptor as it was before the first of them, or nothing where it was closed."""
+
+
+def _c_stdout() -> ctypes.c_void_p:
+    """Find C's ``stdout``; where its name is not known, the null pointer, which makes ``fflush`` flush all streams."""
+    for name in ("stdout", "__stdoutp"):
+        with suppress(ValueError):
+            return ctypes.c_void_p.in_dll(_libc, name)
+    return ctypes.c_void_p()
+
+
+_STREAM = _c_stdout()
+_libc.fflush.argtypes = [ctypes.c_void_p]  # also the quicker way
+
+
+class Diversion:
+    """A file that takes standard output while the context ``on`` is open; as often as wanted, until ``close``."""
+
+    def __init__(self) -> None:
+        self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
+        self._number = self._file.fileno()
+        self._text = io.TextIOWrapper(self._file, encoding="utf-8", errors="backslashreplace", write_through=True)
+        self._python: TextIO | None = None
+
+    def close(self) -> None:
+        """Give the file up."""
+        self._text.close()
+
+    @contextmanager
+    def on(self) -> Iterator[None]:
+        """Divert descriptor 1 and ``sys.stdout``; both are as before afterwards, whatever happens."""
+        self._begin()
+        try:
+            yield
+        finally:
+            self._end()
+
+    @contextmanager
+    def off(self) -> Iterator[None]:
+        """Inside ``on``: give a caller's own code its standard output back."""
+        self._end()
+        try:
+            yield
+        finally:
+            self._begin()
+
+    def _begin(self) -> None:
+        with _lock:
+            _flush()
+            if not _diversions:
+                with suppress(OSError):  # a process may have no standard output
+                    _kept.append(os.dup(_FD))
+            _diversions.append(self)
+            self._aim()
+            self._python, sys.stdout = sys.stdout, self._text
+
+    def _end(self) -> None:
+        with _lock:
+            _flush()
+            _diversions.remove(self)
+            self._aim()
+            if not _diversions and _kept:
+                os.close(_kept.pop())
+            if sys.stdout is self._text and self._python is not None:
+                sys.stdout = self._python
+
+    @staticmethod
+    def _aim() -> None:
+        """Let the descriptor lead to the last diversion, or to where it led before all of them."""
+        if _kept:
+            os.dup2(_diversions[-1]._number if _diversions else _kept[0], _FD)
+
+    def take(self) -> str:
+        """Return what was printed since the last time, and forget it."""
+        size = os.lseek(self._number, 0, os.SEEK_CUR)  # the descriptors share their position; far cheaper than fstat
+        if not size:
+            return ""
+        os.lseek(self._number, 0, os.SEEK_SET)
+        found = os.read(self._number, size)
+        os.lseek(self._number, 0, os.SEEK_SET)
+        os.ftruncate(self._number, 0)
+        return found.decode(errors="replace")
+
+
+def _flush() -> None:
+    with suppress(AttributeError, OSError, ValueError):  # None, or closed
+        sys.stdout.flush()
+    _libc.fflush(_STREAM)
+
+
+def printed() -> str:
+    """Describe what was printed since the last time while output is diverted: its first line; empty if nothing was."""
+    if not _diversions:
+        return ""
+    _libc.fflush(_STREAM)
+    lines = _diversions[-1].take().strip().splitlines()
+    more = f" (and {len(lines) - 1} more line{'s' if len(lines) > 2 else ''})" if len(lines) > 1 else ""
+    return lines[0] + more if lines else ""
