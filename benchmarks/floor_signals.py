@@ -12,9 +12,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from rig import Array, Floor, Motion, Rig
+from rig import STEP_SIZE, Array, Floor, Motion, Rig
 
-from cosim.scenarios import STEP_SIZE, control
+from cosim.scenarios import control
 from plant_models.seat_interface import FloorSignals
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))

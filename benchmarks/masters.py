@@ -178,8 +178,8 @@ def libcosim(python: str, ssp: Path) -> float:
     return float(found.stderr.split()[-1])
 
 
-def further_run(session: Session) -> dict[str, float]:
-    """Measure what a further run costs beside its steps; medians in us."""
+def further_run(session: Session) -> dict[str, tuple[float, float]]:
+    """Measure what a further run costs beside its steps; medians and quickest in us."""
     session.run(H, H, PARAMETERS, SIGNALS)
     ready = session._preparation
     times: dict[str, list[float]] = {"a": [], "b": []}
@@ -192,7 +192,7 @@ def further_run(session: Session) -> dict[str, float]:
         begin = perf_counter()
         session.run(H, H, PARAMETERS, SIGNALS)
         times["b"].append(perf_counter() - begin)
-    setting_up, whole = (1e6 * median(found) for found in times.values())
+    setting_up, whole = ((1e6 * median(found), 1e6 * min(found)) for found in times.values())
     return {"reset, parameters, initialise": setting_up, "a whole run of one step, result and all": whole}
 
 
@@ -253,8 +253,8 @@ def main(fmus: Path, ssp: Path, python: str) -> None:
         table.add_row(name, f"{middle:.3f}", f"{quickest:.3f}", *ratios)
     console.print(table)
     console.print(f"rows of the C program and ours: {'the same bits' if equal else 'DIFFERENT'}")
-    for name, value in further.items():
-        console.print(f"a further run of the loaded system, {name}: {value:.1f} us")
+    for name, (middle, quickest) in further.items():
+        console.print(f"a further run of the loaded system, {name}: {middle:.1f} us, quickest {quickest:.1f} us")
 
 
 if __name__ == "__main__":

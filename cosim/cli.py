@@ -14,10 +14,11 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.cli_design import design
+from cosim.cli_options import parameter_sets, parameters_option, run_options, set_option, settings_of
 from cosim.cli_rerun import rerun
+from cosim.cli_simulate import simulate
 from cosim.console import command_line, conclude, console, progress_shown
 from cosim.errors import CosimError, RunError, SetupError, writing_to
-from cosim.formats import FORMATS
 from cosim.model import Value
 from cosim.results import Result, clear
 from cosim.run_folder import run_to_folder
@@ -131,6 +132,7 @@ def _systems(folder: Path, flavours: Iterable[str], platforms: Iterable[str]) ->
 
 app.add_command(design)
 app.add_command(rerun)
+app.add_command(simulate)
 
 
 @app.command()
@@ -157,14 +159,19 @@ def fmus(folder: Path) -> None:
 @_mass_option
 @click.option("--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json.")
 @click.option("--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1].")
-@click.option("--control", "switch", type=click.Choice(["on", "off"]), help="Controller on or off [default: on].")
-@click.option("--set", "settings", multiple=True, metavar="COMPONENT.VARIABLE=VALUE", help="Any parameter; wins.")
+@click.option(
+    "--control",
+    "switch",
+    type=click.Choice(["on", "off", "passive"]),
+    help="Controller on or off; passive: off, in the well-tuned passive seat [default: on].",
+)
+@parameters_option
+@set_option
 @click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
 @_flavour_option
 @_fmus_option
-@click.option("--format", "formats", type=click.Choice(list(FORMATS)), multiple=True, help="Beside CSV; repeatable.")
-@click.option("--record-every", type=click.IntRange(min=1), default=1, metavar="N", help="Record every N-th step.")
+@run_options
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
 def run(
     scenario: str,
@@ -172,33 +179,39 @@ def run(
     gains: str | None,
     number: str | None,
     switch: str | None,
+    parameter_files: tuple[str, ...],
     settings: tuple[str, ...],
     stop_time: float | None,
     step_size: float | None,
     flavour: str,
     fmus_folder: Path,
-    formats: tuple[str, ...],
-    record_every: int,
     output: Path | None,
+    **how: Any,
 ) -> None:
     """Run one scenario of the seat suspension; writes result.csv, a figure and run.json, which `rerun` takes.
 
     \b
-    Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s).
+    Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s), sweep (0.5 to 20 Hz at 1 m/s2, 60 s),
+    random (ISO 7096 EM1, 60 s), file (a recorded CSV, an example by default, 10 s).
     Examples:
       seat-cosim run bump --driver-mass 70 --observer 2
       seat-cosim run bump --driver-mass 110 --gains recommended
       seat-cosim run sine --set shaker.sine.frequency=2 --control off --output results/sine2
+      seat-cosim run random --set shaker.random.class=EM5 --set shaker.random.seed=7
+      seat-cosim run random --parameters ride --control passive
+      seat-cosim run file --set shaker.file.path=/data/cab_floor.csv --stop-time 120
     """
     chosen = SCENARIOS[scenario]
     stop_time = chosen.stop_time if stop_time is None else stop_time
     system = seat_suspension(fmus_folder / flavour)
     parameters = dict(chosen.parameters)
+    parameters |= parameter_sets(parameter_files, system)
     parameters |= _gains(gains) if gains else {}
     parameters |= _observer(int(number)) if number else {}
     parameters |= control(switch == "on") if switch else {}
+    parameters |= parameter_sets(["passive"], system) if switch == "passive" else {}
     parameters |= _driver(driver_mass)
-    parameters |= _settings(settings)
+    parameters |= settings_of(settings)
     folder = output or Path("results", "run", scenario)
     with progress_shown(f"running {scenario}") as report:
         result = run_to_folder(
@@ -207,10 +220,9 @@ def run(
             stop_time=stop_time,
             step_size=step_size,
             parameters=parameters,
-            record_every=record_every,
-            formats=formats,
             progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"),
             command=command_line(),
+            **how,
         )
     conclude(result)
     _overview(system, result, folder, scenario)
@@ -219,16 +231,6 @@ def run(
 
 def _driver(mass: float | None) -> dict[str, Value]:
     return {} if mass is None else driver_mass(mass)
-
-
-def _settings(settings: tuple[str, ...]) -> dict[str, Value]:
-    found: dict[str, Value] = {}
-    for setting in settings:
-        name, equals, value = setting.partition("=")
-        if not equals:
-            raise SetupError(f"--set {setting}: expected COMPONENT.VARIABLE=VALUE")
-        found[name.strip()] = value.strip()
-    return found
 
 
 def _overview(system: System, result: Result, folder: Path, scenario: str) -> None:

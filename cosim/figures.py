@@ -69,8 +69,11 @@ def by_unit(
     """
     panels: dict[str, list[Curve]] = {}
     for name, signal in values.items():
-        panels.setdefault(units[name] or "1", []).append(Curve(name, signal, {}))
-    return [Panel(f"({unit})", time, curves[:most], {}) for unit, curves in list(panels.items())[:most]]
+        panels.setdefault(units[name] or "no unit", []).append(Curve(name, signal, {}))
+    return [
+        Panel(f"{curves[0].name}\n({unit})" if len(curves) == 1 else f"({unit})", time, curves[:most], {})
+        for unit, curves in list(panels.items())[:most]
+    ]
 
 
 def draw(path: Path, title: str, panels: Sequence[Panel], x_label: str = "Time (s)", *, log: bool = False) -> None:

@@ -8,6 +8,7 @@ import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO
 
@@ -162,6 +163,11 @@ class Model:
         text = getattr(variable, which) or (getattr(variable.declaredType, which) if variable.declaredType else None)
         return None if text is None else float(text)
 
+    @cached_property
+    def bounds(self) -> dict[str, tuple[float | None, float | None]]:
+        """``min`` and ``max`` of all variables by name."""
+        return {name: (self.bound(v, "min"), self.bound(v, "max")) for name, v in self.variables.items()}
+
     def value(self, component: str, name: str, given: Value) -> float | str:
         """Check a value for a variable and convert it to what the FMU takes.
 
@@ -194,7 +200,7 @@ class Model:
         if variable.type == "String":
             return str(given)
         number = _number(variable, where, given)
-        low, high = self.bound(variable, "min"), self.bound(variable, "max")
+        low, high = self.bounds[name]
         if not math.isfinite(number):
             raise SetupError(f"{where}: expected a finite number, got {given}")
         if (low is not None and number < low) or (high is not None and number > high):
@@ -217,6 +223,8 @@ def _opened(path: Path, member: str | None) -> str | BinaryIO:
 
 def _number(variable: ModelVariable, where: str, given: Value) -> float:
     """Convert a value to a number as the variable's type asks."""
+    if type(given) in (float, int) and KINDS[variable.type] == "Real":
+        return float(given)
     text = str(given).strip()
     if variable.type == "Boolean":
         truths = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}

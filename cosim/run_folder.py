@@ -73,7 +73,7 @@ def run_to_folder(
     RunError
         If an FMU failed while loading or initialising.
     """
-    record = None if record is None else list(record)
+    record, formats = None if record is None else list(record), list(formats)
     isolate, time_limit = (session.isolated, session.time_limit) if session else (list(isolate), time_limit)
     system.validate(
         stop_time, step_size, parameters, record, algorithm, record_every, isolate=isolate, time_limit=time_limit

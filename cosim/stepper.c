@@ -14,6 +14,8 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
+#define INLINE inline __attribute__((always_inline)) /* a tick is short: calls would take a good part of it */
+
 enum { WORST_ACCEPTED = 1 }; /* a warning: FMI 2.0 and 3.0 number their status alike */
 
 typedef void (*Function)(void); /* of an FMU; called by its own type */
@@ -63,7 +65,8 @@ typedef enum { NOTHING, SETTING, STEPPING, GETTING, ASKED_TO_END, RETURNED_EARLY
 
 /* What is called now, so that who hears an FMU's message can tell where it comes from; in the end, what went wrong. */
 typedef struct {
-    int64_t cause, component, which, status; /* which: input or output port, or part of a step */
+    const Component *component;
+    int64_t cause, which, status; /* which: input or output port, or part of a step */
     double reached;
 } Now;
 
@@ -86,10 +89,10 @@ EXPORT const char *stepper_source(void)
 
 /* ---- what is called and what comes of it ------------------------------------------------------------------------- */
 
-static inline void call_begins(Plan *plan, Cause cause, int64_t component, int64_t which)
+static INLINE void call_begins(Plan *plan, Cause cause, const Component *it, int64_t which)
 {
     plan->now.cause = cause;
-    plan->now.component = component;
+    plan->now.component = it;
     plan->now.which = which;
 }
 
@@ -104,7 +107,7 @@ static bool judge(Plan *plan, int status, int64_t *warned)
 }
 
 /* Whether a run can go on after a call. */
-static inline bool accepted(Plan *plan, int status, int64_t *warned)
+static INLINE bool accepted(Plan *plan, int status, int64_t *warned)
 {
     return status == 0 || judge(plan, status, warned);
 }
@@ -160,9 +163,8 @@ static void empty_buffer(const Port *port, double table[])
     }
 }
 
-static bool take_inputs(Plan *plan, int64_t index)
+static INLINE bool take_inputs(Plan *plan, const Component *it)
 {
-    const Component *it = &plan->components[index];
     for (int64_t p = 0; p < it->input_count; ++p) {
         Port *port = &it->inputs[p];
         if (port->type == TYPE_DOUBLE && port->factors == NULL) { /* nearly always */
@@ -173,7 +175,7 @@ static bool take_inputs(Plan *plan, int64_t index)
         } else {
             fill_buffer(port, plan->table);
         }
-        call_begins(plan, SETTING, index, p);
+        call_begins(plan, SETTING, it, p);
         if (!accepted(plan, call_access(it, port), &port->warned)) {
             return false;
         }
@@ -183,15 +185,14 @@ static bool take_inputs(Plan *plan, int64_t index)
 
 typedef enum { CONTINUOUS = 1, DISCRETE = 2, ALL = 3 } Which;
 
-static bool give_outputs(Plan *plan, int64_t index, Which which)
+static INLINE bool give_outputs(Plan *plan, const Component *it, Which which)
 {
-    const Component *it = &plan->components[index];
     for (int64_t p = 0; p < it->output_count; ++p) {
         Port *port = &it->outputs[p];
         if ((which & (port->discrete ? DISCRETE : CONTINUOUS)) == 0) {
             continue;
         }
-        call_begins(plan, GETTING, index, p);
+        call_begins(plan, GETTING, it, p);
         if (!accepted(plan, call_access(it, port), &port->warned)) {
             return false;
         }
@@ -233,12 +234,13 @@ static void forget_warnings(const Plan *plan)
 /* Pass initial outputs along the connections until they settle, at most as often as the longest chain asks for. */
 EXPORT bool stepper_settle(Plan *plan)
 {
+    const Component *const end = plan->components + plan->component_count;
     forget_warnings(plan);
     bool moving = true;
     for (int64_t round = 0; round < plan->component_count && moving; ++round) {
         memcpy(plan->before, plan->table, (size_t)plan->table_size * sizeof *plan->table);
-        for (int64_t i = 0; i < plan->component_count; ++i) {
-            if (!take_inputs(plan, i) || !give_outputs(plan, i, ALL)) {
+        for (const Component *it = plan->components; it < end; ++it) {
+            if (!take_inputs(plan, it) || !give_outputs(plan, it, ALL)) {
                 return false;
             }
         }
@@ -250,8 +252,9 @@ EXPORT bool stepper_settle(Plan *plan)
 /* Read all outputs. */
 EXPORT bool stepper_read(Plan *plan)
 {
-    for (int64_t i = 0; i < plan->component_count; ++i) {
-        if (!give_outputs(plan, i, ALL)) {
+    const Component *const end = plan->components + plan->component_count;
+    for (const Component *it = plan->components; it < end; ++it) {
+        if (!give_outputs(plan, it, ALL)) {
             return false;
         }
     }
@@ -260,28 +263,31 @@ EXPORT bool stepper_read(Plan *plan)
 
 /* ---- steps ------------------------------------------------------------------------------------------------------- */
 
-static bool advance(Plan *plan, int64_t index, int64_t tick)
+static INLINE bool do_part(Plan *plan, Component *it, int64_t number, int64_t part)
 {
-    Component *it = &plan->components[index];
-    const int64_t first = it->every == 1 && it->parts == 1 ? tick : tick / it->every * it->parts;
+    const double time = (double)(number + part) * it->step_size;
+    call_begins(plan, STEPPING, it, part);
+    if (it->standard == 2) {
+        return accepted(plan, ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1), &it->warned);
+    }
+    bool event = false, terminate = false, early = false;
+    const int status = ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early,
+                                             &plan->now.reached);
+    if (!accepted(plan, status, &it->warned)) {
+        return false;
+    }
+    if (terminate || early) {
+        plan->now.cause = terminate ? ASKED_TO_END : RETURNED_EARLY;
+        return false;
+    }
+    return true;
+}
+
+static bool advance(Plan *plan, Component *it, int64_t tick)
+{
     for (int64_t part = 0; part < it->parts; ++part) {
-        const double time = (double)(first + part) * it->step_size;
-        call_begins(plan, STEPPING, index, part);
-        if (it->standard == 2) {
-            if (!accepted(plan, ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1), &it->warned)) {
-                return false;
-            }
-        } else {
-            bool event = false, terminate = false, early = false;
-            const int status = ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early,
-                                                     &plan->now.reached);
-            if (!accepted(plan, status, &it->warned)) {
-                return false;
-            }
-            if (terminate || early) {
-                plan->now.cause = terminate ? ASKED_TO_END : RETURNED_EARLY;
-                return false;
-            }
+        if (!do_part(plan, it, tick / it->every * it->parts, part)) {
+            return false;
         }
     }
     return true;
@@ -302,23 +308,23 @@ static bool is_due(const Component *it, int64_t tick)
 }
 
 /* Step a group of components: one in a sequence, all at once otherwise. */
-static bool step_group(Plan *plan, int64_t begin, int64_t end, int64_t tick)
+static INLINE bool step_group(Plan *plan, Component *begin, const Component *end, int64_t tick)
 {
-    if (end - begin == 1 && plan->components[begin].every == 1) { /* what follows comes to this, but takes its time */
-        return take_inputs(plan, begin) && advance(plan, begin, tick) && give_outputs(plan, begin, ALL);
+    if (end - begin == 1 && begin->every * begin->parts == 1) { /* what follows comes to this, but takes its time */
+        return take_inputs(plan, begin) && do_part(plan, begin, tick, 0) && give_outputs(plan, begin, ALL);
     }
-    for (int64_t i = begin; i < end; ++i) {
-        if (is_due(&plan->components[i], tick) && !take_inputs(plan, i)) {
+    for (const Component *it = begin; it < end; ++it) {
+        if (is_due(it, tick) && !take_inputs(plan, it)) {
             return false;
         }
     }
-    for (int64_t i = begin; i < end; ++i) {
-        if (is_due(&plan->components[i], tick) && !advance(plan, i, tick)) {
+    for (Component *it = begin; it < end; ++it) {
+        if (is_due(it, tick) && !advance(plan, it, tick)) {
             return false;
         }
     }
-    for (int64_t i = begin; i < end; ++i) {
-        if (!give_outputs(plan, i, given(&plan->components[i], tick))) {
+    for (const Component *it = begin; it < end; ++it) {
+        if (!give_outputs(plan, it, given(it, tick))) {
             return false;
         }
     }
@@ -350,6 +356,7 @@ EXPORT bool stepper_run(Plan *plan, int64_t first, int64_t last)
 {
     int64_t until_row = (plan->record_every - first % plan->record_every) % plan->record_every;
     double *row = plan->rows + ((first + until_row - plan->first_recorded) / plan->record_every) * plan->width;
+    const Component *const end = plan->components + plan->component_count;
     for (int64_t tick = first; tick < last; ++tick) {
         const bool recorded = until_row == 0;
         if (!all_finite(plan)) {
@@ -360,8 +367,8 @@ EXPORT bool stepper_run(Plan *plan, int64_t first, int64_t last)
             row[0] = (double)tick * plan->step_size;
             record(plan, row, plan->continuous, plan->continuous_count);
         }
-        for (int64_t i = 0; i < plan->component_count; i += plan->group) {
-            if (!step_group(plan, i, i + plan->group, tick)) {
+        for (Component *it = plan->components; it < end; it += plan->group) {
+            if (!step_group(plan, it, it + plan->group, tick)) {
                 return false;
             }
         }

@@ -82,7 +82,7 @@ _Component = _structure(
     step_size=ctypes.c_double,
     warned=ctypes.c_int64,
 )
-_Now = _structure(**_fields(ctypes.c_int64, "cause component which status"), reached=ctypes.c_double)
+_Now = _structure(component=ctypes.c_void_p, **_fields(ctypes.c_int64, "cause which status"), reached=ctypes.c_double)
 _Plan = _structure(
     **_fields(ctypes.c_void_p, "components table before rows continuous discrete"),
     **_fields(ctypes.c_int64, "component_count group table_size width continuous_count discrete_count"),
@@ -135,18 +135,23 @@ class _Watcher:
     def __init__(self, plan: Plan, instances: Sequence[Instance], calls: Sequence[Calls], c: Any) -> None:
         self._plan, self._instances, self._calls, self._c = plan, instances, calls, c
 
+    @property
+    def _place(self) -> int:
+        """Which component is called, by its place in the plan."""
+        return int(self._c.now.component - self._c.components) // ctypes.sizeof(_Component)
+
     def where(self) -> tuple[str, float]:
         """Name what is called, and its time in s."""
         now, tick = self._c.now, self._c.done
-        calls = self._calls[now.component]
+        calls = self._calls[self._place]
         if self.CAUSES[now.cause] in ("setting", "getting"):
             ports = calls.inputs if self.CAUSES[now.cause] == "setting" else calls.outputs
             return ports[now.which].access.name, self._plan.clock.time(tick)
-        return calls.step_name, self._plan.turns[now.component].rate.time(tick, now.which)
+        return calls.step_name, self._plan.turns[self._place].rate.time(tick, now.which)
 
     def warned(self) -> None:
         """Take note that what is called has warned."""
-        self._instances[self._c.now.component].journal.warned(*self.where())
+        self._instances[self._place].journal.warned(*self.where())
 
     def failure(self) -> RunError:
         """Describe what went wrong, in the words of the loop in Python."""
@@ -157,7 +162,7 @@ class _Watcher:
                 watch(self._plan, self._c.done)
             except RunError as error:
                 return error
-        instance: Instance = self._instances[now.component]
+        instance: Instance = self._instances[self._place]
         name, time = self.where()
         if cause == "asked to end":
             return instance.asked_to_end(name, now.reached)

@@ -255,6 +255,11 @@ class Structure:
             raise SetupError(f"order: expected each of {', '.join(self.models)} once, got {', '.join(names)}")
         self._order = tuple(names)
 
+    @property
+    def order_is_given(self) -> bool:
+        """Whether the order was set, and is no proposal."""
+        return self._order is not None
+
     def edges(self) -> dict[Port, Edge]:
         """Tell of each connected input when its value is made."""
         return {

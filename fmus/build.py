@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import importlib.util
 import json
 import shutil
 import subprocess
@@ -18,6 +16,7 @@ from fmus.archive import BuildError, Built, guid_of, read_archive, write_archive
 from fmus.component import Component
 from fmus.components import COMPONENTS
 from fmus.description import content_guid, model_description, to_xml
+from fmus.modules import source_files
 from fmus.native_build import PLATFORMS, STANDARDS, build_library, build_native_fmu, host_platform
 
 __all__ = [
@@ -33,54 +32,7 @@ __all__ = [
     "source_files",
 ]
 
-_PACKAGES = ("fmus", "plant_models", "seat_controller_fmu")
 _SLAVE_SCRIPT = Path(__file__).with_name("slave_script.py")
-
-
-def _source(module: str) -> Path | None:
-    """Find a module's file; None for a name that is not a module but stands within one."""
-    try:
-        spec = importlib.util.find_spec(module)
-    except ModuleNotFoundError:
-        return None
-    return Path(spec.origin) if spec and spec.origin else None
-
-
-def _imports(path: Path) -> Iterator[str]:
-    """Yield the names that a file imports at its top level, functions' own imports left out."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
-
-
-def source_files(*modules: str) -> dict[str, Path]:
-    """Find the project's modules that the given ones import, directly or not, packages included.
-
-    Parameters
-    ----------
-    modules
-        Names of modules of this project.
-
-    Returns
-    -------
-    dict
-        Path inside a folder of sources (``plant_models/seat.py``) to the file, sorted by that path.
-    """
-    files: dict[str, Path] = {}
-    waiting = list(modules)
-    while waiting:
-        name = waiting.pop()
-        package, _, _ = name.rpartition(".")
-        if name.partition(".")[0] not in _PACKAGES or (path := _source(name)) is None:
-            continue
-        inside = name.replace(".", "/") + ("/__init__.py" if path.name == "__init__.py" else ".py")
-        if inside not in files:
-            files[inside] = path
-            waiting += [package, *_imports(path)]
-    return dict(sorted(files.items()))
 
 
 def _attribute(component: Component) -> str:
@@ -127,6 +79,9 @@ def build_python_fmu(component: Component, folder: Path) -> Built:
         command = [sys.executable, "-m", "pythonfmu", "build", "--file", str(main), "--dest", str(stage / "built")]
         command += ["--handle-state", "--serialize-state"]  # the builder overwrites the description's capabilities
         command += [str(stage / "model"), str(stage / "component.json")]
+        for name, content in component.resources().items():
+            (stage / name).write_bytes(content)
+            command.append(str(stage / name))
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         built = stage / "built" / f"{component.name}.fmu"
         if run.returncode or not built.exists():

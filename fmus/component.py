@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from fmus.variables import TIME, Terminal, Variable, variables_of
 
@@ -31,12 +31,66 @@ class ParameterError(ValueError):
     """Parameters that are each within their range but contradict one another."""
 
 
+class StateField(NamedTuple):
+    """One field of a state.
+
+    Attributes
+    ----------
+    name
+        As in the state.
+    kind
+        ``float``, ``int`` or ``bool``, of each number.
+    length
+        How many numbers, None where it is one and no tuple.
+    used
+        Name of the field that tells how many of them are in use, the others being zero; None where all are.
+    """
+
+    name: str
+    kind: type
+    length: int | None
+    used: str | None = None
+
+
+def state_fields(state: type) -> tuple[StateField, ...]:
+    """Read the fields of a state class.
+
+    A tuple of n numbers is declared ``Annotated[tuple[float, ...], n]``. The last field may be one of which only a part
+    is in use: ``Annotated[tuple[float, ...], n, "field"]``, where ``field`` says how many numbers.
+    """
+    fields = []
+    for name, hint in get_type_hints(state, include_extras=True).items():
+        if get_origin(hint) is Annotated:
+            numbers, *lengths = get_args(hint)
+            fields.append(StateField(name, get_args(numbers)[0], *lengths))
+        else:
+            fields.append(StateField(name, hint, None))
+    return tuple(fields)
+
+
+def numbers_of(state: Any) -> list[float]:
+    """Write a state as a flat list of numbers."""
+    parts = (part if isinstance(part, tuple) else (part,) for part in state)
+    return [float(number) for part in parts for number in part]
+
+
+def state_of(state: type, numbers: Iterable[float]) -> Any:
+    """Read a state of a class from what :func:`numbers_of` wrote."""
+    rest = iter(numbers)
+    return state(
+        *(
+            kind(next(rest)) if length is None else tuple(kind(next(rest)) for _ in range(length))
+            for _, kind, length, _ in state_fields(state)
+        )
+    )
+
+
 @dataclass(frozen=True)
 class Component:
     """A model that can become an FMU, in any flavour.
 
-    The state is a flat ``NamedTuple`` of numbers, so it can be saved, compared and restored as it is; everything that
-    is computed from parameters alone stands apart, in the coefficients.
+    The state is a ``NamedTuple`` of numbers and tuples of numbers, so it can be saved, compared and restored as it is;
+    everything that is computed from parameters alone stands apart, in the coefficients.
 
     Attributes
     ----------
@@ -49,7 +103,7 @@ class Component:
     inputs, outputs, parameters, constants
         Interface dataclasses, see :mod:`fmus.variables`; ``constants`` may be None.
     state
-        ``NamedTuple`` class of the state.
+        ``NamedTuple`` class of the state, see :func:`state_fields`.
     prepare
         ``prepare(parameters) -> coefficients``; raises :class:`ParameterError` where parameters contradict.
     initial
@@ -61,6 +115,8 @@ class Component:
         ``warnings(parameters) -> texts`` for legal parameters that a user should think about.
     terminals
         Which variables make a plug together.
+    resources
+        Makes the files that the FMU carries in its folder of resources, by name.
     sample_time
         Period in s of a component that samples, None for others.
     """
@@ -78,6 +134,7 @@ class Component:
     constants: type | None = None
     warnings: Callable[[Any], Sequence[str]] = lambda parameters: ()
     terminals: tuple[Terminal, ...] = ()
+    resources: Callable[[], Mapping[str, bytes]] = dict
     sample_time: float | None = None
 
     @cached_property

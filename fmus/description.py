@@ -45,20 +45,21 @@ def content_guid(*contents: bytes) -> str:
     return "{" + str(uuid.UUID(bytes=digest.digest()[:16])) + "}"
 
 
-_REAL = {"2.0": "Real", "3.0": "Float64"}
-"""What a number is called in each version of FMI."""
+_TYPES = {
+    "2.0": {float: "Real", int: "Integer", bool: "Boolean", str: "String"},
+    "3.0": {float: "Float64", int: "Int64", bool: "Boolean", str: "String"},
+}
+"""What a type is called in each version of FMI."""
 
 
 def _fmi_type(variable: Variable, fmi_version: str) -> str:
-    if variable.items:
-        return "Enumeration"
-    return "Boolean" if variable.type is bool else _REAL[fmi_version]
+    return "Enumeration" if variable.items else _TYPES[fmi_version][variable.type]
 
 
-def _literal(value: float | None, variable: Variable) -> str | bool | None:
-    if value is None or isinstance(value, bool):
+def _literal(value: float | str | None, variable: Variable) -> str | bool | None:
+    if value is None or isinstance(value, bool | str):
         return value
-    return str(int(value)) if variable.items else repr(float(value))
+    return str(int(value)) if issubclass(variable.type, int) else repr(float(value))
 
 
 def _unit(name: str) -> fmi.Unit:
@@ -178,11 +179,13 @@ def _text(root: Any) -> bytes:
 
 
 def _complete_variables(root: Any, description: fmi.ModelDescription) -> None:
-    """Add what fmpy's writer leaves out of FMI 3: bounds and nominal values."""
+    """Add what fmpy's writer leaves out of FMI 3: bounds and nominal values, starts of texts as elements."""
     for element, variable in zip(root.find("ModelVariables"), description.modelVariables, strict=True):
         for attribute in ("min", "max", "nominal"):
             if (value := getattr(variable, attribute)) is not None:
                 element.set(attribute, value)
+        if element.tag == "String":
+            etree.SubElement(element, "Start", value=element.attrib.pop("start"))
 
 
 def _complete_source_files(root: Any, description: fmi.ModelDescription) -> None:

@@ -21,6 +21,7 @@ from fmus.archive import BuildError, Built, guid_of, write_archive
 from fmus.c_header import defaults_header, model_header
 from fmus.component import Component
 from fmus.description import build_description_xml, content_guid, model_description, terminals_xml, to_xml
+from fmus.modules import kernel_files
 
 _GLUE = Path(__file__).with_name("native")
 _FMI_HEADERS = Path(fmpy.__file__).with_name("c-code")
@@ -118,11 +119,6 @@ def host_platform() -> str:
     return f"{architecture}-{machine.system().lower()}"
 
 
-def _kernel(component: Component) -> Path:
-    """Find a component's C file, which lies beside its Python module."""
-    return Path(str(sys.modules[component.module].__file__)).with_suffix(".c")
-
-
 def source_files(component: Component, standard: Standard, token: str) -> dict[str, bytes]:
     """Collect all that a C compiler needs: the ``.c`` files are to be compiled, the others included.
 
@@ -140,10 +136,9 @@ def source_files(component: Component, standard: Standard, token: str) -> dict[s
     dict
         Name to content.
     """
-    kernel = _kernel(component)
-    glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "component.h")]
+    glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "paths.c", "paths.h", "component.h")]
     headers = [_FMI_HEADERS / name for name in standard.headers]
-    files = {path.name: path.read_bytes() for path in (kernel, kernel.with_suffix(".h"), *glue, *headers)}
+    files = {path.name: path.read_bytes() for path in (*kernel_files(component.module), *glue, *headers)}
     generated = {"model.h": model_header(component, token), "defaults.h": defaults_header(component)}
     return {**files, **{name: text.encode() for name, text in generated.items()}}
 
@@ -171,6 +166,7 @@ def fmu_files(component: Component, standard: Standard, token: str) -> dict[str,
     files["modelDescription.xml"] = to_xml(description)
     files["documentation/index.html"] = documentation.page(component).encode()
     files[standard.license_file] = _license()
+    files |= {f"resources/{name}": content for name, content in component.resources().items()}
     if standard.version == "3.0":
         files["sources/buildDescription.xml"] = build_description_xml(description, " ".join(OPTIONS[1:3]))
         files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_xml(component, standard.version)

@@ -11,13 +11,22 @@ import json
 import math
 from collections.abc import Sequence
 from operator import attrgetter
+from pathlib import Path
 from typing import Any, ClassVar
 from xml.etree import ElementTree
 
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME, Component, ParameterError
+from fmus.component import (
+    LATEST_TIME,
+    LONGEST_STEP,
+    SAME_TIME,
+    Component,
+    ParameterError,
+    numbers_of,
+    state_of,
+)
 from fmus.variables import Variable
 
 
@@ -129,7 +138,7 @@ class ComponentSlave(Fmi2Slave):
         self._set(vrs, values, (float,))
 
     def set_integer(self, vrs: Sequence[int], values: Sequence[int]) -> None:
-        """Set enumerations by value reference."""
+        """Set integers and enumerations by value reference."""
         self._set(vrs, values, (int,))
 
     def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
@@ -137,7 +146,7 @@ class ComponentSlave(Fmi2Slave):
         self._set(vrs, values, (bool,))
 
     def set_string(self, vrs: Sequence[int], values: Sequence[str]) -> None:
-        """Refuse: no component has strings."""
+        """Set texts by value reference."""
         self._set(vrs, values, (str,))
 
     def get_real(self, vrs: Sequence[int]) -> list[float]:
@@ -145,7 +154,7 @@ class ComponentSlave(Fmi2Slave):
         return self._get(vrs, (float,), math.nan)
 
     def get_integer(self, vrs: Sequence[int]) -> list[int]:
-        """Get enumerations by value reference; 0 where there is none."""
+        """Get integers and enumerations by value reference; 0 where there is none."""
         return [int(value) for value in self._get(vrs, (int,), 0)]
 
     def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
@@ -153,7 +162,7 @@ class ComponentSlave(Fmi2Slave):
         return self._get(vrs, (bool,), False)
 
     def get_string(self, vrs: Sequence[int]) -> list[str]:
-        """Refuse: no component has strings."""
+        """Get texts by value reference; an empty one where there is none."""
         return self._get(vrs, (str,), "")
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
@@ -184,7 +193,8 @@ class ComponentSlave(Fmi2Slave):
         """Derive the coefficients of the parameters as they are now; return what is wrong with them, or None."""
         if self._coefficients is not None:
             return None
-        parameters = self.component.parameters(*self._values[self._slices["parameter"]])
+        values = (self._whole(value) for value in self._values[self._slices["parameter"]])
+        parameters = self.component.parameters(*values)
         try:
             self._coefficients = self.component.prepare(parameters)
         except ParameterError as error:
@@ -194,6 +204,10 @@ class ComponentSlave(Fmi2Slave):
                 self._warned.append(text)
                 self.log(text, Fmi2Status.warning)
         return None
+
+    def _whole(self, value: Any) -> Any:
+        """Make the whole path of a file's name, relative to the FMU's resources; other values stay."""
+        return str(Path(self.resources, value)) if isinstance(value, str) else value
 
     def _inputs(self) -> Any:
         return self.component.inputs(*self._values[self._slices["input"]])
@@ -244,8 +258,8 @@ class ComponentSlave(Fmi2Slave):
             "guid": self.content_guid,
             "phase": self._phase,
             "time": self._time,
-            "values": [v if isinstance(v, bool) else float(v) for v in self._values],
-            "state": None if self._state is None else list(self._state),
+            "values": [v if isinstance(v, bool | str) else float(v) for v in self._values],
+            "state": None if self._state is None else numbers_of(self._state),
             "outputs_due": self._outputs_due,
             "faults": dict(self._faults),
             "warned": list(self._warned),
@@ -259,8 +273,8 @@ class ComponentSlave(Fmi2Slave):
             return
         self._phase = state["phase"]
         self._time = state["time"]
-        self._values = list(state["values"])
-        self._state = None if state["state"] is None else self.component.state(*state["state"])
+        self._values = [v.type(x) for v, x in zip(self._variables, state["values"], strict=True)]
+        self._state = None if state["state"] is None else state_of(self.component.state, state["state"])
         self._outputs_due = state["outputs_due"]
         self._faults = dict(state["faults"])
         self._warned = list(state["warned"])

@@ -40,7 +40,8 @@ def row(reference: int, v: Variable) -> tuple[str, ...]:
     v
         The variable.
     """
-    start = "" if v.start is None else str(v.start).lower() if isinstance(v.start, bool) else _number(v.start)
+    start = _number(v.start) if isinstance(v.start, float) else "" if v.start is None else str(v.start)
+    start = start.lower() if v.type is bool else start
     items = ", ".join(f"{number} {name}" for name, number in v.items.items())
     bounds = "" if v.minimum is None and v.maximum is None else f"{_number(v.minimum)} … {_number(v.maximum)}"
     return (str(reference), v.name, v.unit or "", v.causality, v.variability, start, items or bounds, v.description)

@@ -18,6 +18,9 @@ from fmus.units import dimension
 POSITIVE = 1e-9
 """Stands for "greater than zero" where FMI knows inclusive bounds only, in the variable's own unit."""
 
+LONGEST_TEXT = 1023
+"""Most bytes of a text, in UTF-8."""
+
 LEGAL_COMBINATIONS = {
     ("independent", "continuous", None),
     ("input", "continuous", "exact"),
@@ -63,7 +66,7 @@ class Variable:
     field
         Name of the dataclass field that holds it in the model's code.
     type
-        ``float``, ``bool`` or an ``IntEnum`` whose members count from 1.
+        ``float``, ``int``, ``bool``, an ``IntEnum`` whose members count from 1, or ``str`` for the name of a file.
     dependencies
         Names of the knowns this output depends on while initialising. After a step no output depends directly on an
         input: a step function has taken the inputs in already.
@@ -77,7 +80,7 @@ class Variable:
     initial: str | None
     description: str
     unit: str | None = None
-    start: float | None = None
+    start: float | str | None = None
     minimum: float | None = None
     maximum: float | None = None
     nominal: float | None = None
@@ -99,14 +102,17 @@ class Variable:
         """Items of an enumeration by name; empty for other types."""
         return {item.name: item.value for item in self.type} if issubclass(self.type, IntEnum) else {}
 
-    def problem(self, value: float) -> str | None:
+    def problem(self, value: float | str) -> str | None:
         """Say what is wrong with a value for this variable, or None.
 
         Parameters
         ----------
         value
-            In the variable's unit; an enumeration's number.
+            In the variable's unit; an enumeration's number; a file's name.
         """
+        if isinstance(value, str):
+            size = len(value.encode(errors="replace"))
+            return None if size <= LONGEST_TEXT else f"{self.name}: expected at most {LONGEST_TEXT} bytes, got {size}"
         if not abs(value) < float("inf"):
             return f"{self.name}: expected a finite number, got {value}"
         if self.items and value not in self.items.values():
@@ -209,7 +215,7 @@ def output(
 
 
 def parameter(
-    start: Quantity | bool | IntEnum,
+    start: Quantity | bool | int | IntEnum,
     description: str,
     *,
     name: str | None = None,
@@ -245,6 +251,25 @@ def parameter(
         description=description,
         minimum=minimum,
         maximum=maximum,
+    )
+
+
+def file_name(start: str, description: str, *, name: str | None = None) -> Any:
+    """Declare a parameter that names a file, absolute or relative to the FMU's resources.
+
+    An FMU hands its model the whole path.
+
+    Parameters
+    ----------
+    start
+        Default.
+    description
+        As in the FMU's description.
+    name
+        FMI name where it differs from the field's.
+    """
+    return _declare(
+        start, name, causality="parameter", variability="fixed", initial="exact", unit=None, description=description
     )
 
 

@@ -1,5 +1,5 @@
-/* The seat: two masses on a suspension with Bouc-Wen friction (1)-(2), (35)-(36). See seat.h; seat.py, friction.py and
- * floor.py tell why it is integrated, solved and derived as it is.
+/* The seat: two masses on a suspension with Bouc-Wen friction (1)-(2), (35)-(36). See seat.h; seat.py and friction.py
+ * tell why it is integrated and solved as it is.
  *
  *   m_s z_s'' = -k_f (z_s - z_v) - c_f (z_s' - z_v') + k_c (z_b - z_s) + c_c (z_b' - z_s') - f_r + u_sat        (1)
  *   m_b z_b'' = -k_c (z_b - z_s) - c_c (z_b' - z_s')                                                            (2)
@@ -7,6 +7,11 @@
  *   z_d'      = A_d v - gamma_d |v| |z_d| z_d - beta_d v z_d^2,   v = z_s' - z_v'                               (36)
  */
 #include "seat.h"
+
+#include "actuator.h"
+#include "floor.h"
+#include "random_numbers.h"
+#include "sensors.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -20,11 +25,7 @@ static const double longest_substep = 0.5e-3;
 static const double substeps_per_radian = 2.0;
 static const double shortest_substep = 1e-5;
 
-/* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
-static double flushed(double state)
-{
-    return fabs(state) < 1e-30 ? 0.0 : state;
-}
+static const double pi = 3.14159265358979323846;
 
 /* ---- friction ---------------------------------------------------------------------------------------------------- */
 
@@ -33,13 +34,10 @@ static const double settled = 1e-12;
 
 static const double quarter_turn = 1.57079632679489661923;
 
-/* Move z_d along a one-way change of the deflection, exactly: tanh while loading, tan while unloading, each written so
- * that it costs one exponential or one tangent. */
-static double friction_state(double state, double increment, const seat_plant_friction *c)
+/* Move z_d along a one-way change of the deflection that is not zero, exactly: tanh while loading, tan while unloading,
+ * each written so that it costs one exponential or one tangent. */
+static double slid(double state, double increment, const seat_plant_friction *c)
 {
-    if (increment == 0.0) {
-        return state;
-    }
     double distance = fabs(increment);
     const double sign = increment >= 0.0 ? 1.0 : -1.0;
     double zeta = sign * state;
@@ -61,6 +59,11 @@ static double friction_state(double state, double increment, const seat_plant_fr
     return sign * (zeta * rest + c->plateau * rise) / (rest + zeta / c->plateau * rise);
 }
 
+static inline double friction_state(double state, double increment, const seat_plant_friction *c)
+{
+    return increment == 0.0 ? state : slid(state, increment, c);
+}
+
 /* Move z_d from one (deflection x, rate v) to the next, by way of the turning point where the rate, linear over the
  * substep, changes sign. */
 static double turned(double friction, double x_0, double v_0, double x_1, double v_1, double h,
@@ -75,100 +78,22 @@ static double turned(double friction, double x_0, double v_0, double x_1, double
     return friction_state(friction, x_1 - x_0, c);
 }
 
-/* ---- floor -------------------------------------------------------------------------------------------------------- */
-
-/* A sample that comes sooner after the last one, in s, is left out: differences would show little but rounding. */
-static const double shortest_interval = 1e-5;
-
-/* The floor over a step: second-order Taylor series about the step's begin. */
-typedef struct {
-    double displacement, velocity, acceleration;
-} floor_t;
-
-static double displacement_at(const floor_t *floor, double tau)
-{
-    return floor->displacement + tau * (floor->velocity + 0.5 * tau * floor->acceleration);
-}
-
-static double velocity_at(const floor_t *floor, double tau)
-{
-    return floor->velocity + tau * floor->acceleration;
-}
-
-static floor_t given(const seat_plant_inputs *inputs)
-{
-    const floor_t floor = {inputs->floor_displacement, inputs->floor_velocity, inputs->floor_acceleration};
-    return floor;
-}
-
-/* Start from the motion at initialisation, with the sample in place of its own part of it. */
-static void first_sample(floor_t *node, const seat_plant_inputs *inputs, int signals)
-{
-    if (signals == SEAT_PLANT_DISPLACEMENT) {
-        node->displacement = inputs->floor_displacement;
-    } else if (signals == SEAT_PLANT_VELOCITY) {
-        node->velocity = inputs->floor_velocity;
-    } else {
-        node->acceleration = inputs->floor_acceleration;
-    }
-}
-
-/* Derive the motion at a new sample from that at the last one. */
-static void next_sample(floor_t *node, double age, double interval, const seat_plant_inputs *inputs, int signals)
-{
-    const double z = node->displacement, v = node->velocity, a = node->acceleration;
-    if (signals == SEAT_PLANT_DISPLACEMENT) {
-        const double slope = (inputs->floor_displacement - z) / age;
-        const double slope_before = v - 0.5 * a * interval;
-        node->displacement = inputs->floor_displacement;
-        node->acceleration = interval > 0.0 ? 2.0 * (slope - slope_before) / (age + interval) : 0.0;
-        node->velocity = slope + 0.5 * age * node->acceleration;
-    } else if (signals == SEAT_PLANT_VELOCITY) {
-        node->velocity = inputs->floor_velocity;
-        node->displacement = z + 0.5 * age * (v + node->velocity);
-        node->acceleration = (node->velocity - v) / age;
-    } else {
-        node->acceleration = inputs->floor_acceleration;
-        node->velocity = v + 0.5 * age * (a + node->acceleration);
-        node->displacement = z + age * (v + age * (2.0 * a + node->acceleration) / 6.0);
-    }
-}
-
-/* Derive the floor over a step from the one signal that is alive, and move its history to the step's end. */
-static floor_t derived(state_t *state, const seat_plant_inputs *inputs, int signals, double step_size)
-{
-    const double age = state->floor_age;
-    floor_t node = {state->floor_displacement, state->floor_velocity, state->floor_acceleration};
-    floor_t floor;
-    if (age > 0.0 && age < shortest_interval) {
-        floor.displacement = displacement_at(&node, age);
-        floor.velocity = velocity_at(&node, age);
-        floor.acceleration = node.acceleration;
-        state->floor_age = age + step_size;
-    } else {
-        if (age > 0.0) {
-            next_sample(&node, age, state->floor_interval, inputs, signals);
-            state->floor_interval = age;
-        } else {
-            first_sample(&node, inputs, signals);
-            state->floor_reached = node.displacement;
-        }
-        floor = node;
-        state->floor_age = step_size;
-    }
-    /* never faster than the error arose: a short step after a long one would be a jump */
-    floor.velocity += (floor.displacement - state->floor_reached) / (step_size > age ? step_size : age);
-    floor.displacement = state->floor_reached;
-    state->floor_displacement = node.displacement;
-    state->floor_velocity = node.velocity;
-    state->floor_acceleration = node.acceleration;
-    state->floor_reached = displacement_at(&floor, step_size);
-    return floor;
-}
-
 /* ---- mechanics --------------------------------------------------------------------------------------------------- */
 
-/* Solve (1) for z_s''; stretch is z_b - z_s, friction is z_d. */
+/* Which end stop is touched: 1 the upper, -1 the lower, 0 none. */
+static double touched(double deflection, const coefficients_t *c)
+{
+    return fabs(deflection) <= c->x_e ? 0.0 : deflection > 0.0 ? 1.0 : -1.0;
+}
+
+/* An end stop's part of z_s'': like rubber, it never pulls. */
+static double end_stop(double deflection, double rate, double side, const coefficients_t *c)
+{
+    const double push = c->k_e * (side * deflection - c->x_e) + c->c_e * side * rate;
+    return -side * (push > 0.0 ? push : 0.0) * c->per_m_s;
+}
+
+/* Solve (1) for z_s'', end stops aside; stretch is z_b - z_s, friction is z_d. */
 static double seat_acceleration(double deflection, double rate, double stretch, double stretch_rate, double friction,
                                 double force, const coefficients_t *c)
 {
@@ -189,69 +114,188 @@ typedef struct {
 /* Accelerations at a stage of the substep, tau seconds after the floor was given: the friction has come from z_d at the
  * deflection x_0. */
 static accelerations slope(double z_s, double v_s, double z_b, double v_b, double tau, double z_d, double x_0,
-                           const floor_t *floor, double force, const coefficients_t *c)
+                           const floor_t *floor, double force, double side, const coefficients_t *c)
 {
-    const double x = z_s - displacement_at(floor, tau);
-    const double v = v_s - velocity_at(floor, tau);
+    const double x = z_s - floor_displacement_at(floor, tau);
+    const double v = v_s - floor_velocity_at(floor, tau);
     const double friction = friction_state(z_d, x - x_0, &c->friction);
     const double stretch = z_b - z_s, stretch_rate = v_b - v_s;
     accelerations a;
     a.seat = seat_acceleration(x, v, stretch, stretch_rate, friction, force, c);
+    if (side != 0.0) {
+        a.seat += end_stop(x, v, side, c);
+    }
     a.driver = driver_acceleration(stretch, stretch_rate, c);
     return a;
 }
 
 /* One step of classical Runge-Kutta over the four mechanical states, friction in closed form at every stage; h is the
- * substep's length. */
-static void substep(state_t *state, const floor_t *floor, double force, double tau, double h, const coefficients_t *c)
+ * substep's length, the force is straight between its ends, side is the end stop that is touched all the while. */
+static void substep(state_t *state, const floor_t *floor, double first, double last, double side, double tau, double h,
+                    const coefficients_t *c)
 {
+    const double middle = 0.5 * (first + last);
     const double z_s = state->seat_displacement, v_s = state->seat_velocity;
     const double z_b = state->driver_displacement, v_b = state->driver_velocity;
     const double z_d = state->friction;
-    const double x_0 = z_s - displacement_at(floor, tau);
+    const double x_0 = z_s - floor_displacement_at(floor, tau);
     const double half = 0.5 * h;
-    const accelerations a_1 = slope(z_s, v_s, z_b, v_b, tau, z_d, x_0, floor, force, c);
+    const accelerations a_1 = slope(z_s, v_s, z_b, v_b, tau, z_d, x_0, floor, first, side, c);
     const double v_s2 = v_s + half * a_1.seat, v_b2 = v_b + half * a_1.driver;
     const accelerations a_2 =
-        slope(z_s + half * v_s, v_s2, z_b + half * v_b, v_b2, tau + half, z_d, x_0, floor, force, c);
+        slope(z_s + half * v_s, v_s2, z_b + half * v_b, v_b2, tau + half, z_d, x_0, floor, middle, side, c);
     const double v_s3 = v_s + half * a_2.seat, v_b3 = v_b + half * a_2.driver;
     const accelerations a_3 =
-        slope(z_s + half * v_s2, v_s3, z_b + half * v_b2, v_b3, tau + half, z_d, x_0, floor, force, c);
+        slope(z_s + half * v_s2, v_s3, z_b + half * v_b2, v_b3, tau + half, z_d, x_0, floor, middle, side, c);
     const double v_s4 = v_s + h * a_3.seat, v_b4 = v_b + h * a_3.driver;
-    const accelerations a_4 = slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h, z_d, x_0, floor, force, c);
+    const accelerations a_4 = slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h, z_d, x_0, floor, last, side, c);
     const double sixth = h / 6.0;
     const double z_s_end = z_s + sixth * (v_s + 2.0 * (v_s2 + v_s3) + v_s4);
     const double z_b_end = z_b + sixth * (v_b + 2.0 * (v_b2 + v_b3) + v_b4);
     const double v_s_end = v_s + sixth * (a_1.seat + 2.0 * (a_2.seat + a_3.seat) + a_4.seat);
     const double v_b_end = v_b + sixth * (a_1.driver + 2.0 * (a_2.driver + a_3.driver) + a_4.driver);
-    const double x_end = z_s_end - displacement_at(floor, tau + h);
-    const double z_d_end = turned(z_d, x_0, v_s - velocity_at(floor, tau), x_end,
-                                  v_s_end - velocity_at(floor, tau + h), h, &c->friction);
-    state->seat_displacement = flushed(z_s_end);
-    state->seat_velocity = flushed(v_s_end);
-    state->driver_displacement = flushed(z_b_end);
-    state->driver_velocity = flushed(v_b_end);
-    state->friction = flushed(z_d_end);
+    const double x_end = z_s_end - floor_displacement_at(floor, tau + h);
+    const double z_d_end = turned(z_d, x_0, v_s - floor_velocity_at(floor, tau), x_end,
+                                  v_s_end - floor_velocity_at(floor, tau + h), h, &c->friction);
+    state->seat_displacement = seat_plant_flushed(z_s_end);
+    state->seat_velocity = seat_plant_flushed(v_s_end);
+    state->driver_displacement = seat_plant_flushed(z_b_end);
+    state->driver_velocity = seat_plant_flushed(v_b_end);
+    state->friction = seat_plant_flushed(z_d_end);
 }
 
 /* Outputs of a state, tau seconds after the floor was given, the force still acting. */
-static void evaluate(const state_t *state, const floor_t *floor, double force, double tau, const coefficients_t *c,
+static inline void evaluate(const state_t *state, const floor_t *floor, double force, double tau, const coefficients_t *c,
                      seat_plant_outputs *outputs)
 {
-    const double deflection = state->seat_displacement - displacement_at(floor, tau);
-    const double rate = state->seat_velocity - velocity_at(floor, tau);
+    const double deflection = state->seat_displacement - floor_displacement_at(floor, tau);
+    const double rate = state->seat_velocity - floor_velocity_at(floor, tau);
     const double stretch = state->driver_displacement - state->seat_displacement;
     const double stretch_rate = state->driver_velocity - state->seat_velocity;
     outputs->seat_acceleration =
         seat_acceleration(deflection, rate, stretch, stretch_rate, state->friction, force, c);
+    const double side = touched(deflection, c);
+    if (side != 0.0) {
+        outputs->seat_acceleration += end_stop(deflection, rate, side, c);
+    }
     outputs->suspension_deflection = deflection;
     outputs->deflection_rate = rate;
     outputs->driver_acceleration = driver_acceleration(stretch, stretch_rate, c);
     outputs->seat_displacement = state->seat_displacement;
     outputs->driver_displacement = state->driver_displacement;
     outputs->friction_force = c->alpha * state->friction; /* (35) */
-    outputs->seat_acceleration_measured = outputs->seat_acceleration;
-    outputs->suspension_deflection_measured = deflection;
+}
+
+/* Add what the sensors make of the truth, or of what has passed their low-pass. */
+static void report(const state_t *state, const coefficients_t *c, double time, seat_plant_outputs *outputs)
+{
+    const int low_pass = c->bandwidth > 0.0;
+    const double acceleration = low_pass ? state->sensed_acceleration : outputs->seat_acceleration;
+    const double deflection = low_pass ? state->sensed_deflection : outputs->suspension_deflection;
+    outputs->seat_acceleration_measured = sensor_reading(acceleration, &c->accelerometer, time);
+    outputs->suspension_deflection_measured = sensor_reading(deflection, &c->deflection_sensor, time);
+}
+
+/* Move the sensors' low-pass over a substep, from the outputs at its begin to those at its end. */
+static void sense(state_t *state, const seat_plant_outputs *begin, const seat_plant_outputs *end, double angle)
+{
+    state->sensed_acceleration =
+        sensor_low_passed(state->sensed_acceleration, begin->seat_acceleration, end->seat_acceleration, angle);
+    state->sensed_deflection =
+        sensor_low_passed(state->sensed_deflection, begin->suspension_deflection, end->suspension_deflection, angle);
+}
+
+/* How many substeps a time takes. */
+static double substeps(double time, const coefficients_t *c)
+{
+    const double needed = ceil(time / c->substep - 1e-6);
+    return needed > 1.0 ? needed : 1.0;
+}
+
+/* Integrate over substeps of one length, from a time since the step's begin on; the force is straight over each, and one
+ * end stop touched, or none. */
+static void integrate(state_t *state, const floor_t *floor, double begin, double h, double count, double first,
+                      double last, double side, const coefficients_t *c)
+{
+    for (double index = 0.0; index < count; index += 1.0) {
+        substep(state, floor, first, last, side, begin + index * h, h, c);
+    }
+}
+
+/* When an end stop is met or left, in s, as deflection, rate and acceleration show; infinity for never. */
+static double until_contact(const seat_plant_outputs *begin, double side, const floor_t *floor, const coefficients_t *c)
+{
+    const double sign = side != 0.0 ? side : copysign(1.0, begin->deflection_rate);
+    const double depth = sign * begin->suspension_deflection - c->x_e;
+    const double rate = sign * begin->deflection_rate;
+    const double square = rate * rate - 2.0 * depth * sign * (begin->seat_acceleration - floor->acceleration);
+    if (square < 0.0) {
+        return INFINITY;
+    }
+    const double divisor = rate + copysign(sqrt(square), rate);
+    const double time = divisor != 0.0 ? -2.0 * depth / divisor : 0.0;
+    return time > 0.0 ? time : INFINITY;
+}
+
+/* Take a substep, in two parts where an end stop is met or left on the way: its damper's force jumps there. */
+static void divided(state_t *state, const floor_t *floor, double tau, double h, double first, double last,
+                    const coefficients_t *c)
+{
+    double begin = tau, length = h, side = 0.0;
+    if (c->x_e < INFINITY) {
+        seat_plant_outputs outputs;
+        evaluate(state, floor, first, tau, c, &outputs);
+        side = touched(outputs.suspension_deflection, c);
+        const double part = until_contact(&outputs, side, floor, c);
+        if (part < h) {
+            const double middle = first + (last - first) * (part / h);
+            integrate(state, floor, tau, part, 1.0, first, middle, side, c);
+            begin = tau + part;
+            length = h - part;
+            first = middle;
+            side = side != 0.0 ? 0.0 : copysign(1.0, outputs.deflection_rate);
+        }
+    }
+    integrate(state, floor, begin, length, 1.0, first, last, side, c);
+}
+
+/* Integrate over a span of the step, in s since its begin, in which the actuator's target holds. The force may lag behind
+ * it, and the sensors behind the truth. */
+static void stretch(state_t *state, const floor_t *floor, double begin, double end, const coefficients_t *c)
+{
+    const double count = substeps(end - begin, c);
+    const double h = (end - begin) / count;
+    const int lagging = c->actuator.time_constant > 0.0, low_pass = c->bandwidth > 0.0;
+    const actuator_lag lag = lagging ? actuator_lag_for(&c->actuator, h) : actuator_no_lag;
+    const double target = state->force_target;
+    double force = lagging ? state->force : target;
+    for (double index = 0.0; index < count; index += 1.0) {
+        const double tau = begin + index * h, deviation = force - target;
+        const double first = lagging ? target + deviation * lag.first : target;
+        const double last = lagging ? target + deviation * lag.last : target;
+        seat_plant_outputs before, after;
+        if (low_pass) {
+            evaluate(state, floor, force, tau, c, &before);
+        }
+        force = lagging ? seat_plant_flushed(target + deviation * lag.left) : target;
+        divided(state, floor, tau, h, first, last, c);
+        if (low_pass) {
+            evaluate(state, floor, force, tau + h, c, &after);
+            sense(state, &before, &after, c->bandwidth * h);
+        }
+    }
+    state->force = force;
+}
+
+/* Integrate over a step, stretch by stretch between the changes that leave the actuator's delay. */
+static void stretches(state_t *state, const floor_t *floor, double time, double step_size, const coefficients_t *c)
+{
+    double begin = 0.0;
+    while (begin < step_size) {
+        const double end = actuator_arrive(state, time, begin, step_size);
+        stretch(state, floor, begin, end, c);
+        begin = end;
+    }
 }
 
 /* ---- the component ----------------------------------------------------------------------------------------------- */
@@ -275,12 +319,21 @@ static double substep_for(const seat_plant_parameters *p)
 {
     /* the steepest friction can get: unloading at the plateau, d zeta/dy = A 2 gamma/(gamma + beta) */
     const double slope = 2.0 * p->friction_amplitude * p->friction_gamma / (p->friction_gamma + p->friction_beta);
-    const double stiffness = p->suspension_stiffness + p->cushion_stiffness + p->friction_alpha * slope;
-    const double damping = p->suspension_damping + p->cushion_damping;
+    const int stops = p->end_stop_travel > 0.0;
+    const double elastic = p->suspension_stiffness + p->cushion_stiffness + p->friction_alpha * slope;
+    const double stiffness = elastic + (stops ? p->end_stop_stiffness : 0.0);
+    const double damping = p->suspension_damping + p->cushion_damping + (stops ? p->end_stop_damping : 0.0);
     const double lightest = p->driver_mass < p->seat_mass ? p->driver_mass : p->seat_mass;
     const double fastest = sqrt(stiffness / lightest) + damping / lightest;
     const double needed = 1.0 / (substeps_per_radian * fastest);
     return fastest > 0.0 && !(longest_substep <= needed) ? needed : longest_substep;
+}
+
+static seat_plant_sensor sensor(double noise, double bias, double resolution, int seed, uint32_t number)
+{
+    const int ideal = noise == 0.0 && bias == 0.0 && resolution == 0.0;
+    const seat_plant_sensor prepared = {noise, bias, resolution, random_stream((uint32_t)seed, number), ideal};
+    return prepared;
 }
 
 const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_plant_coefficients *coefficients)
@@ -290,11 +343,14 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
     if (!bouc_wen(p->friction_gamma, p->friction_beta, p->friction_amplitude, &c->friction)) {
         return "expected friction.A > 0 and friction.gamma > |friction.beta|";
     }
+    if (p->end_stop_travel > 0.0 && !(p->end_stop_stiffness > 0.0)) {
+        return "expected end_stop.stiffness > 0 where end_stop.travel > 0";
+    }
     c->substep = substep_for(p);
     if (!(c->substep >= shortest_substep)) {
         return "expected a fastest motion below 50000 rad/s from the stiffnesses suspension_stiffness, "
-               "cushion_stiffness and friction.alpha and the dampings suspension_damping and cushion_damping "
-               "on seat_mass and driver_mass";
+               "cushion_stiffness, friction.alpha and end_stop.stiffness and the dampings suspension_damping, "
+               "cushion_damping and end_stop.damping on seat_mass and driver_mass";
     }
     c->per_m_s = 1.0 / p->seat_mass;
     c->per_m_b = 1.0 / p->driver_mass;
@@ -304,6 +360,19 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
     c->c_c = p->cushion_damping;
     c->alpha = p->friction_alpha;
     c->floor_signals = p->floor_signals;
+    c->x_e = p->end_stop_travel > 0.0 ? p->end_stop_travel : INFINITY;
+    c->k_e = p->end_stop_stiffness;
+    c->c_e = p->end_stop_damping;
+    c->actuator.limit = p->actuator_force_limit > 0.0 ? p->actuator_force_limit : INFINITY;
+    c->actuator.delay = p->actuator_delay;
+    c->actuator.time_constant = p->actuator_time_constant;
+    c->bandwidth = 2.0 * pi * p->sensor_bandwidth;
+    c->steady = p->actuator_delay == 0.0 && p->actuator_time_constant == 0.0 && p->sensor_bandwidth == 0.0 &&
+                !(p->end_stop_travel > 0.0);
+    c->accelerometer =
+        sensor(p->acceleration_noise, p->acceleration_bias, p->acceleration_resolution, p->sensor_seed, 1);
+    c->deflection_sensor =
+        sensor(p->deflection_noise, p->deflection_bias, p->deflection_resolution, p->sensor_seed, 2);
     return NULL;
 }
 
@@ -317,27 +386,33 @@ void seat_plant_initial(seat_plant_state *state, const seat_plant_inputs *inputs
                         const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs)
 {
     const seat_plant_state rest = {0};
-    const floor_t floor = given(inputs);
-    (void)time;
+    const floor_t floor = floor_given(inputs);
     *state = rest;
     state->floor_displacement = floor.displacement;
     state->floor_velocity = floor.velocity;
     state->floor_acceleration = floor.acceleration;
-    evaluate(state, &floor, inputs->force, 0.0, coefficients, outputs);
+    actuator_settle(state, inputs->force, &coefficients->actuator);
+    evaluate(state, &floor, state->force, 0.0, coefficients, outputs);
+    state->sensed_acceleration = outputs->seat_acceleration;
+    state->sensed_deflection = outputs->suspension_deflection;
+    report(state, coefficients, time, outputs);
 }
 
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
                         const seat_plant_coefficients *coefficients, double time, double step_size,
                         seat_plant_outputs *outputs)
 {
-    const double needed = ceil(step_size / coefficients->substep - 1e-6);
-    const double count = needed > 1.0 ? needed : 1.0;
-    const double h = step_size / count;
     const int signals = coefficients->floor_signals;
-    const floor_t floor = signals == SEAT_PLANT_ALL ? given(inputs) : derived(state, inputs, signals, step_size);
-    (void)time;
-    for (double index = 0.0; index < count; index += 1.0) {
-        substep(state, &floor, inputs->force, index * h, h, coefficients);
+    const floor_t floor = signals == SEAT_PLANT_ALL ? floor_given(inputs) : floor_derived(state, inputs, signals, step_size);
+    const double count = substeps(step_size, coefficients);
+    actuator_command(state, inputs->force, &coefficients->actuator, time);
+    if (coefficients->steady && state->line_length == 0.0) {
+        state->force = state->force_target;
+        integrate(state, &floor, 0.0, step_size / count, count, state->force, state->force, 0.0,
+                  coefficients);
+    } else {
+        stretches(state, &floor, time, step_size, coefficients);
     }
-    evaluate(state, &floor, inputs->force, step_size, coefficients, outputs);
+    evaluate(state, &floor, state->force, step_size, coefficients, outputs);
+    report(state, coefficients, time + step_size, outputs);
 }

@@ -2,6 +2,8 @@
 #ifndef SEAT_PLANT_H
 #define SEAT_PLANT_H
 
+#include <stdint.h>
+
 /* What the floor and the actuator do to the seat: m, m/s, m/s2, N. */
 typedef struct {
     double floor_displacement, floor_velocity, floor_acceleration;
@@ -29,7 +31,18 @@ typedef struct {
     double friction_gamma, friction_beta;             /* gamma_d, beta_d in 1/m2 */
     double friction_amplitude;                        /* A_d */
     int floor_signals;                                /* which floor inputs are alive */
+    double actuator_force_limit;                      /* u_max in N, 0 for none */
+    double actuator_delay, actuator_time_constant;    /* T_d, T_a in s */
+    double sensor_bandwidth;                          /* f_s in Hz, 0 for none */
+    double acceleration_noise, acceleration_bias, acceleration_resolution;   /* in m/s2 */
+    double deflection_noise, deflection_bias, deflection_resolution;         /* in m */
+    int sensor_seed;
+    double end_stop_travel;                           /* x_e in m, 0 for none */
+    double end_stop_stiffness, end_stop_damping;      /* k_e in N/m, c_e in N.s/m */
 } seat_plant_parameters;
+
+/* Changes in the actuator's delay line. */
+enum { SEAT_PLANT_PLACES = 128 };
 
 typedef struct {
     double seat_displacement, seat_velocity;          /* z_s in m, z_s' in m/s */
@@ -39,6 +52,10 @@ typedef struct {
     double floor_displacement, floor_velocity, floor_acceleration;
     double floor_age, floor_interval;                 /* the time since then and from the sample before till then in s, */
     double floor_reached;                             /* and where the last step has left it in m */
+    double sensed_acceleration, sensed_deflection;    /* what has passed the sensors' low-pass in m/s2, m */
+    double force_commanded, force_target, force;      /* latest into the delay, latest out of it, on the seat in N */
+    double line_length;                               /* numbers in use of the delay line: */
+    double line[2 * SEAT_PLANT_PLACES];               /* arrival in s and force in N of each change, then zeros */
 } seat_plant_state;
 
 /* Coefficients of the closed-form friction step. */
@@ -49,6 +66,18 @@ typedef struct {
     double unloading_rate;                            /* sqrt(A_d (gamma_d - beta_d)) in 1/m */
 } seat_plant_friction;
 
+/* What the actuator does to a force; the limit may be infinite. */
+typedef struct {
+    double limit, delay, time_constant;
+} seat_plant_actuator;
+
+/* What a sensor does to its signal, and its stream of random numbers. */
+typedef struct {
+    double noise, bias, resolution;
+    uint64_t stream;
+    int ideal;                                        /* whether it does nothing */
+} seat_plant_sensor;
+
 /* Parameters as the step needs them, in the symbols of (1), (2) and (35). */
 typedef struct {
     double per_m_s, per_m_b;                          /* 1/m_s, 1/m_b in 1/kg */
@@ -56,7 +85,18 @@ typedef struct {
     seat_plant_friction friction;
     double substep;                                   /* longest Runge-Kutta substep in s */
     int floor_signals;
+    double x_e, k_e, c_e;                             /* x_e is infinite where there are no end stops */
+    seat_plant_actuator actuator;
+    double bandwidth;                                 /* of the sensors in rad/s */
+    int steady;                                       /* neither delay, lag, low-pass nor end stop divides a step */
+    seat_plant_sensor accelerometer, deflection_sensor;
 } seat_plant_coefficients;
+
+/* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
+static inline double seat_plant_flushed(double state)
+{
+    return state > -1e-30 && state < 1e-30 ? 0.0 : state;
+}
 
 /* Derive the coefficients. Returns NULL, or what is wrong with the parameters in terms of their names. */
 const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_plant_coefficients *coefficients);

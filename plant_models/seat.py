@@ -6,6 +6,9 @@
 with c_f = 0 for the active prototype, whose damper is removed. Displacements are absolute, from static equilibrium, up
 positive.
 
+Beyond a travel x_e of the deflection x, end stops push back with max(0, k_e (|x| - x_e) + c_e d|x|/dt): like rubber,
+they never pull. Actuator and sensors have modules of their own; all these imperfections are absent by default.
+
 Over a step the actuator's force is held and the floor is extrapolated by its velocity and acceleration, so that the
 floor jumps a little (by its jerk times h^3/6) when the next step brings its true position. The friction follows the
 deflection within a step only: let it follow the jumps as well, and each would unload it for an instant, which is up to
@@ -19,9 +22,13 @@ import math
 from typing import NamedTuple
 
 from fmus.component import Component, ParameterError, flushed
+from plant_models import actuator as act
+from plant_models.actuator import Actuator, actuator
 from plant_models.floor import Floor, History, derived, given
 from plant_models.friction import BoucWen, bouc_wen, friction_state
+from plant_models.random_numbers import random_stream
 from plant_models.seat_interface import TERMINALS, FloorSignals, Inputs, Outputs, Parameters
+from plant_models.sensors import Sensor, low_passed, reading
 
 LONGEST_SUBSTEP = 0.5e-3
 """Upper bound of the Runge-Kutta substep, in s: a quarter of the 2 ms sample."""
@@ -53,8 +60,18 @@ class Masses(NamedTuple):
     friction: float
 
 
+class Sensed(NamedTuple):
+    """What has passed the sensors' low-pass: acceleration in m/s2, deflection in m; as it was at first without one."""
+
+    acceleration: float
+    deflection: float
+
+
 class State(NamedTuple):
-    """State of the seat: the fields of :class:`Masses`, then those of :class:`~plant_models.floor.History`."""
+    """State of the seat, one part after the other.
+
+    :class:`Masses`, :class:`~plant_models.floor.History`, :class:`Sensed`, :class:`~plant_models.actuator.State`.
+    """
 
     seat_displacement: float
     seat_velocity: float
@@ -67,6 +84,13 @@ class State(NamedTuple):
     floor_age: float = 0.0
     floor_interval: float = 0.0
     floor_reached: float = 0.0
+    sensed_acceleration: float = 0.0
+    sensed_deflection: float = 0.0
+    force_commanded: float = 0.0
+    force_target: float = 0.0
+    force: float = 0.0
+    line_length: int = 0
+    line: act.Line = (0.0,) * (2 * act.PLACES)
 
     @property
     def masses(self) -> Masses:
@@ -76,11 +100,24 @@ class State(NamedTuple):
     @property
     def history(self) -> History:
         """What a derived floor remembers."""
-        return History(*self[5:])
+        return History(*self[5:11])
+
+    @property
+    def sensed(self) -> Sensed:
+        """What has passed the sensors' low-pass."""
+        return Sensed(*self[11:13])
+
+    @property
+    def actuator(self) -> act.State:
+        """What the actuator remembers."""
+        return act.State(*self[13:])
 
 
 class Coefficients(NamedTuple):
-    """Parameters as the step needs them, in the symbols of (1), (2) and (35); ``per_m_s`` is 1/m_s."""
+    """Parameters as the step needs them, in the symbols of (1), (2) and (35).
+
+    ``per_m_s`` is 1/m_s; x_e is infinite where there are no end stops; ``bandwidth`` is the sensors', in rad/s.
+    """
 
     per_m_s: float
     per_m_b: float
@@ -92,6 +129,13 @@ class Coefficients(NamedTuple):
     friction: BoucWen
     substep: float
     floor_signals: int
+    x_e: float
+    k_e: float
+    c_e: float
+    actuator: Actuator
+    bandwidth: float
+    accelerometer: Sensor
+    deflection_sensor: Sensor
 
 
 def prepare(parameters: Parameters) -> Coefficients:
@@ -100,14 +144,22 @@ def prepare(parameters: Parameters) -> Coefficients:
     Raises
     ------
     ParameterError
-        If the friction has no plateau, or the seat is so stiff that a step would take too long.
+        If the friction has no plateau, end stops no stiffness, or the seat is so stiff that a step would take too long.
     """
     p = parameters
+    stops = p.end_stop_travel > 0.0
+    if stops and not p.end_stop_stiffness > 0.0:
+        raise ParameterError(
+            f"end stops: expected end_stop.stiffness > 0 where end_stop.travel > 0, got end_stop.stiffness = "
+            f"{p.end_stop_stiffness} N/m, end_stop.travel = {p.end_stop_travel} m"
+        )
     friction = bouc_wen(p.friction_gamma, p.friction_beta, p.friction_amplitude)
     # the steepest friction can get: unloading at the plateau, d zeta/dy = A 2 gamma/(gamma + beta)
     slope = 2.0 * p.friction_amplitude * p.friction_gamma / (p.friction_gamma + p.friction_beta)
     stiffness = p.suspension_stiffness + p.cushion_stiffness + p.friction_alpha * slope
     damping = p.suspension_damping + p.cushion_damping
+    if stops:
+        stiffness, damping = stiffness + p.end_stop_stiffness, damping + p.end_stop_damping
     lightest = min(p.seat_mass, p.driver_mass)
     fastest = math.sqrt(stiffness / lightest) + damping / lightest
     substep = min(LONGEST_SUBSTEP, 1.0 / (SUBSTEPS_PER_RADIAN * fastest)) if fastest > 0.0 else LONGEST_SUBSTEP
@@ -127,15 +179,36 @@ def prepare(parameters: Parameters) -> Coefficients:
         friction=friction,
         substep=substep,
         floor_signals=p.floor_signals,
+        x_e=p.end_stop_travel if stops else math.inf,
+        k_e=p.end_stop_stiffness,
+        c_e=p.end_stop_damping,
+        actuator=actuator(p.actuator_force_limit, p.actuator_delay, p.actuator_time_constant),
+        bandwidth=2.0 * math.pi * p.sensor_bandwidth,
+        accelerometer=Sensor(
+            p.acceleration_noise, p.acceleration_bias, p.acceleration_resolution, random_stream(p.sensor_seed, 1)
+        ),
+        deflection_sensor=Sensor(
+            p.deflection_noise, p.deflection_bias, p.deflection_resolution, random_stream(p.sensor_seed, 2)
+        ),
     )
 
 
+def _touched(deflection: float, c: Coefficients) -> float:
+    """Tell which end stop is touched: 1 the upper, -1 the lower, 0 none."""
+    return 0.0 if abs(deflection) <= c.x_e else math.copysign(1.0, deflection)
+
+
 def _seat_acceleration(
-    deflection: float, rate: float, stretch: float, stretch_rate: float, friction: float, force: float, c: Coefficients
+    deflection: float, rate: float, stretch: float, stretch_rate: float, z_d: float, force: float, c: Coefficients
 ) -> float:
-    """Solve (1) for z_s''; stretch is z_b - z_s, friction is z_d."""
-    suspension = -c.k_f * deflection - c.c_f * rate - c.alpha * friction
+    """Solve (1) for z_s'', end stops aside; stretch is z_b - z_s."""
+    suspension = -c.k_f * deflection - c.c_f * rate - c.alpha * z_d
     return (suspension + c.k_c * stretch + c.c_c * stretch_rate + force) * c.per_m_s
+
+
+def _end_stop(deflection: float, rate: float, side: float, c: Coefficients) -> float:
+    """Evaluate an end stop's part of z_s''."""
+    return -side * max(0.0, c.k_e * (side * deflection - c.x_e) + c.c_e * side * rate) * c.per_m_s
 
 
 def _driver_acceleration(stretch: float, stretch_rate: float, c: Coefficients) -> float:
@@ -157,32 +230,37 @@ def _turned(friction: float, start: tuple[float, float], end: tuple[float, float
     return friction_state(friction, x_1 - x_0, c)
 
 
-def _substep(masses: Masses, floor: Floor, tau: float, h: float, force: float, c: Coefficients) -> Masses:
+def _substep(
+    masses: Masses, floor: Floor, tau: float, h: float, forces: tuple[float, float], side: float, c: Coefficients
+) -> Masses:
     """One step of classical Runge-Kutta over the four mechanical states, friction in closed form at every stage.
 
-    ``tau`` is the time since the floor was given, ``h`` the substep's length, both in s.
+    ``tau`` is the time since the floor was given, ``h`` the substep's length, both in s; ``forces`` are those at its
+    ends in N, straight in between; ``side`` is the end stop that is touched all the while.
     """
     z_s, v_s, z_b, v_b, z_d = masses
     x_0 = z_s - floor.displacement_at(tau)
 
-    def slope(z_s: float, v_s: float, z_b: float, v_b: float, tau: float) -> tuple[float, float]:
+    def slope(z_s: float, v_s: float, z_b: float, v_b: float, tau: float, force: float) -> tuple[float, float]:
         x = z_s - floor.displacement_at(tau)
         v = v_s - floor.velocity_at(tau)
         friction = friction_state(z_d, x - x_0, c.friction)
         stretch, stretch_rate = z_b - z_s, v_b - v_s
-        return (
-            _seat_acceleration(x, v, stretch, stretch_rate, friction, force, c),
-            _driver_acceleration(stretch, stretch_rate, c),
-        )
+        acceleration = _seat_acceleration(x, v, stretch, stretch_rate, friction, force, c)
+        if side != 0.0:
+            acceleration += _end_stop(x, v, side, c)
+        return acceleration, _driver_acceleration(stretch, stretch_rate, c)
 
     half = 0.5 * h
-    a_s1, a_b1 = slope(z_s, v_s, z_b, v_b, tau)
+    first, last = forces
+    middle = 0.5 * (first + last)
+    a_s1, a_b1 = slope(z_s, v_s, z_b, v_b, tau, first)
     v_s2, v_b2 = v_s + half * a_s1, v_b + half * a_b1
-    a_s2, a_b2 = slope(z_s + half * v_s, v_s2, z_b + half * v_b, v_b2, tau + half)
+    a_s2, a_b2 = slope(z_s + half * v_s, v_s2, z_b + half * v_b, v_b2, tau + half, middle)
     v_s3, v_b3 = v_s + half * a_s2, v_b + half * a_b2
-    a_s3, a_b3 = slope(z_s + half * v_s2, v_s3, z_b + half * v_b2, v_b3, tau + half)
+    a_s3, a_b3 = slope(z_s + half * v_s2, v_s3, z_b + half * v_b2, v_b3, tau + half, middle)
     v_s4, v_b4 = v_s + h * a_s3, v_b + h * a_b3
-    a_s4, a_b4 = slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h)
+    a_s4, a_b4 = slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h, last)
     sixth = h / 6.0
     z_s_end = z_s + sixth * (v_s + 2.0 * (v_s2 + v_s3) + v_s4)
     z_b_end = z_b + sixth * (v_b + 2.0 * (v_b2 + v_b3) + v_b4)
@@ -206,6 +284,8 @@ def _outputs(masses: Masses, floor: Floor, tau: float, force: float, c: Coeffici
     rate = v_s - floor.velocity_at(tau)
     stretch, stretch_rate = z_b - z_s, v_b - v_s
     acceleration = _seat_acceleration(deflection, rate, stretch, stretch_rate, z_d, force, c)
+    if side := _touched(deflection, c):
+        acceleration += _end_stop(deflection, rate, side, c)
     return Outputs(
         seat_acceleration=acceleration,
         suspension_deflection=deflection,
@@ -214,9 +294,78 @@ def _outputs(masses: Masses, floor: Floor, tau: float, force: float, c: Coeffici
         seat_displacement=z_s,
         driver_displacement=z_b,
         friction_force=c.alpha * z_d,  # (35)
-        seat_acceleration_measured=acceleration,
-        suspension_deflection_measured=deflection,
     )
+
+
+def _report(outputs: Outputs, sensed: Sensed, c: Coefficients, time: float) -> Outputs:
+    """Add what the sensors make of the truth, or of what has passed their low-pass."""
+    if c.bandwidth > 0.0:
+        acceleration, deflection = sensed
+    else:
+        acceleration, deflection = outputs.seat_acceleration, outputs.suspension_deflection
+    outputs.seat_acceleration_measured = reading(acceleration, c.accelerometer, time)
+    outputs.suspension_deflection_measured = reading(deflection, c.deflection_sensor, time)
+    return outputs
+
+
+def _sensed(sensed: Sensed, begin: Outputs, end: Outputs, angle: float) -> Sensed:
+    """Move the sensors' low-pass over a substep, from the outputs at its begin to those at its end."""
+    return Sensed(
+        low_passed(sensed.acceleration, begin.seat_acceleration, end.seat_acceleration, angle),
+        low_passed(sensed.deflection, begin.suspension_deflection, end.suspension_deflection, angle),
+    )
+
+
+def _until_contact(begin: Outputs, side: float, floor: Floor, c: Coefficients) -> float:
+    """Tell when an end stop is met or left, in s, as deflection, rate and acceleration show; infinity for never."""
+    sign = side or math.copysign(1.0, begin.deflection_rate)
+    depth = sign * begin.suspension_deflection - c.x_e
+    rate = sign * begin.deflection_rate
+    square = rate * rate - 2.0 * depth * sign * (begin.seat_acceleration - floor.acceleration)
+    if square < 0.0:
+        return math.inf
+    divisor = rate + math.copysign(math.sqrt(square), rate)
+    time = -2.0 * depth / divisor if divisor != 0.0 else 0.0
+    return time if time > 0.0 else math.inf
+
+
+def _divided(
+    masses: Masses, floor: Floor, tau: float, h: float, forces: tuple[float, float], c: Coefficients
+) -> Masses:
+    """Take a substep, in two parts where an end stop is met or left on the way: its damper's force jumps there."""
+    if c.x_e == math.inf:
+        return _substep(masses, floor, tau, h, forces, 0.0, c)
+    first, last = forces
+    begin = _outputs(masses, floor, tau, first, c)
+    side = _touched(begin.suspension_deflection, c)
+    part = _until_contact(begin, side, floor, c)
+    if part >= h:
+        return _substep(masses, floor, tau, h, forces, side, c)
+    middle = first + (last - first) * (part / h)
+    masses = _substep(masses, floor, tau, part, (first, middle), side, c)
+    side = 0.0 if side else math.copysign(1.0, begin.deflection_rate)
+    return _substep(masses, floor, tau + part, h - part, (middle, last), side, c)
+
+
+def _stretch(
+    masses: Masses, sensed: Sensed, actuator: act.State, floor: Floor, span: tuple[float, float], c: Coefficients
+) -> tuple[Masses, Sensed, act.State]:
+    """Integrate over a span, in s since the step's begin, in which the actuator's target holds."""
+    begin, end = span
+    count = max(1, math.ceil((end - begin) / c.substep - 1e-6))
+    h = (end - begin) / count
+    lag = act.lag(c.actuator, h)
+    force, target = actuator.force, actuator.target
+    for index in range(count):
+        tau = begin + index * h
+        before = force if lag else target
+        first, last, force = act.lagged(force, target, lag)
+        moved = _divided(masses, floor, tau, h, (first, last), c)
+        if c.bandwidth > 0.0:
+            ends = _outputs(masses, floor, tau, before, c), _outputs(moved, floor, tau + h, force, c)
+            sensed = _sensed(sensed, *ends, c.bandwidth * h)
+        masses = moved
+    return masses, sensed, actuator._replace(force=force)
 
 
 def initial(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, Outputs]:
@@ -229,10 +378,14 @@ def initial(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[St
     coefficients
         From :func:`prepare`.
     time
-        In s; the seat does not depend on it.
+        In s; only the sensors' noise depends on it.
     """
-    rest, floor = Masses(0.0, 0.0, 0.0, 0.0, 0.0), given(inputs)
-    return State(*rest, *floor), _outputs(rest, floor, 0.0, inputs.force, coefficients)
+    c, rest, floor = coefficients, Masses(0.0, 0.0, 0.0, 0.0, 0.0), given(inputs)
+    actuator = act.settled(inputs.force, c.actuator)
+    outputs = _outputs(rest, floor, 0.0, actuator.force, c)
+    sensed = Sensed(outputs.seat_acceleration, outputs.suspension_deflection)
+    state = State._make((*rest, *History(*floor), *sensed, *actuator))
+    return state, _report(outputs, sensed, c, time)
 
 
 def advance(
@@ -249,23 +402,27 @@ def advance(
     coefficients
         From :func:`prepare`.
     time, step_size
-        Begin and length of the step, in s; the seat does not depend on ``time``.
+        Begin and length of the step, in s; only the actuator's delay and the sensors' noise depend on ``time``.
 
     Returns
     -------
     tuple of State and Outputs
         At the step's end, with the extrapolated floor.
     """
-    c, masses, history = coefficients, state.masses, state.history
+    c, masses, history, sensed = coefficients, state.masses, state.history, state.sensed
     if c.floor_signals == FloorSignals.all:
         floor = given(inputs)
     else:
         floor, history = derived(history, inputs, c.floor_signals, step_size)
-    count = max(1, math.ceil(step_size / c.substep - 1e-6))
-    h = step_size / count
-    for index in range(count):
-        masses = _substep(masses, floor, index * h, h, inputs.force, c)
-    return State(*masses, *history), _outputs(masses, floor, step_size, inputs.force, c)
+    actuator = act.commanded(state.actuator, inputs.force, c.actuator, time)
+    begin = 0.0
+    while begin < step_size:
+        actuator, end = act.arrived(actuator, time, begin, step_size)
+        masses, sensed, actuator = _stretch(masses, sensed, actuator, floor, (begin, end), c)
+        begin = end
+    outputs = _outputs(masses, floor, step_size, actuator.force, c)
+    state = State._make((*masses, *history, *sensed, *actuator))
+    return state, _report(outputs, sensed, c, time + step_size)
 
 
 SEAT_PLANT = Component(

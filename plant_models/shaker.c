@@ -1,51 +1,45 @@
-/* The shaker: the cabin floor's displacement, velocity and acceleration as functions of time. See shaker.h. */
+/* The cabin floor's motion: a profile, and a platform that may follow it. See shaker.h and shaker.py. */
 #include "shaker.h"
+
+#include "noise.h"
+#include "platform.h"
+#include "profiles.h"
+#include "random_numbers.h"
+#include "replay.h"
 
 #include <math.h>
 #include <stddef.h>
 
-static const double pi = 3.14159265358979323846;
+/* In s: what noise and the platform's acceleration are held for. */
+static const double tick_length = 0.002;
 
-/* Times closer than this, in s, are one instant: communication points carry rounding errors. */
-static const double same_instant = 1e-9;
-
-/* The bump (34), z_v = a/2 (1 - cos(2 pi v_0 t/l)) for 0 <= t <= l/v_0, and its derivatives; right limits. */
-static shaker_outputs bump(double time, double height, double length, double speed)
-{
-    shaker_outputs floor = {0.0, 0.0, 0.0};
-    if (time >= -same_instant && time < length / speed - same_instant) {
-        const double omega = 2.0 * pi * speed / length;
-        const double half = 0.5 * height;
-        floor.floor_displacement = half * (1.0 - cos(omega * time));
-        floor.floor_velocity = half * omega * sin(omega * time);
-        floor.floor_acceleration = half * omega * omega * cos(omega * time);
-    }
-    return floor;
-}
-
-/* z_v = A sin(2 pi f t) and its derivatives. */
-static shaker_outputs sine(double time, double frequency, double amplitude)
-{
-    const double omega = 2.0 * pi * frequency;
-    shaker_outputs floor;
-    floor.floor_displacement = amplitude * sin(omega * time);
-    floor.floor_velocity = amplitude * omega * cos(omega * time);
-    floor.floor_acceleration = -amplitude * omega * omega * sin(omega * time);
-    return floor;
-}
-
-static shaker_outputs floor_motion(double time, const shaker_parameters *p)
-{
-    if (p->profile == SHAKER_SINE) {
-        return sine(time, p->sine_frequency, p->sine_amplitude);
-    }
-    return bump(time, p->bump_height, p->bump_length, p->bump_speed);
-}
+typedef shaker_coefficients coefficients_t;
 
 const char *shaker_prepare(const shaker_parameters *parameters, shaker_coefficients *coefficients)
 {
-    *coefficients = *parameters;
-    return NULL;
+    const shaker_parameters *p = parameters;
+    coefficients_t *c = coefficients;
+    if (p->profile == SHAKER_SWEEP && 2.0 * p->sweep_fade > p->sweep_duration) {
+        return "expected sweep.fade up to half the sweep.duration";
+    }
+    c->curve.memory = NULL;
+    c->parameters = *p;
+    c->parameters.file_path = NULL; /* the caller's */
+    c->stream = random_stream((uint32_t)p->random_seed, 0);
+    if (p->profile == SHAKER_RANDOM) {
+        noise_prepare(p->random_class, p->random_scale, tick_length, &c->noise);
+    }
+    const char *problem = platform_prepare(p, tick_length, &c->platform);
+    c->ticking = p->profile == SHAKER_RANDOM || c->platform.present;
+    if (problem == NULL && p->profile == SHAKER_FILE) {
+        problem = replay_load(p->file_path, p->file_high_pass, p->file_fade, &c->curve);
+    }
+    return problem;
+}
+
+void shaker_release(shaker_coefficients *coefficients)
+{
+    replay_free(&coefficients->curve);
 }
 
 const char *shaker_warning(const shaker_parameters *parameters)
@@ -54,18 +48,112 @@ const char *shaker_warning(const shaker_parameters *parameters)
     return NULL;
 }
 
+/* A profile that is a function of time. */
+static void profile(double time, const coefficients_t *c, shaker_outputs *floor)
+{
+    const shaker_parameters *p = &c->parameters;
+    switch (p->profile) {
+    case SHAKER_SINE:
+        profile_sine(time, p->sine_frequency, p->sine_amplitude, floor);
+        break;
+    case SHAKER_SWEEP:
+        profile_sweep(time, p, floor);
+        break;
+    case SHAKER_FILE:
+        replay_motion(&c->curve, time, floor);
+        break;
+    default:
+        profile_bump(time, p->bump_height, p->bump_length, p->bump_speed, floor);
+    }
+}
+
+/* Let the platform follow the profile at the tick's begin. */
+static void accelerate(shaker_state *state, const coefficients_t *c)
+{
+    shaker_outputs command;
+    if (!c->platform.present) {
+        return;
+    }
+    if (c->parameters.profile == SHAKER_RANDOM) {
+        noise_motion(state->modes, &c->noise, c->stream, state->tick, 0.0, &command);
+    } else {
+        profile(state->tick * tick_length, c, &command);
+    }
+    state->platform_acceleration =
+        platform_acceleration(state->platform_displacement, state->platform_velocity, &command, &c->platform);
+}
+
+/* The platform some time after the tick's begin. */
+static void platform_motion(const shaker_state *state, double since, shaker_outputs *floor)
+{
+    const double velocity = state->platform_velocity, acceleration = state->platform_acceleration;
+    floor->floor_displacement = state->platform_displacement + since * (velocity + 0.5 * since * acceleration);
+    floor->floor_velocity = velocity + since * acceleration;
+    floor->floor_acceleration = acceleration;
+}
+
+/* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
+static double flushed(double state)
+{
+    return fabs(state) < 1e-30 ? 0.0 : state;
+}
+
+/* Go to the next tick. */
+static void go_on(shaker_state *state, const coefficients_t *c)
+{
+    shaker_outputs floor;
+    platform_motion(state, tick_length, &floor);
+    if (c->parameters.profile == SHAKER_RANDOM) {
+        noise_advance(state->modes, &c->noise, c->stream, state->tick);
+    }
+    state->tick += 1.0;
+    state->platform_displacement = flushed(floor.floor_displacement);
+    state->platform_velocity = flushed(floor.floor_velocity);
+    accelerate(state, c);
+}
+
+/* Noise or platform at a time, not before the state's tick unless that is the first. */
+static void ticking_floor(double time, const shaker_state *state, const coefficients_t *c, shaker_outputs *floor)
+{
+    static const shaker_outputs rest = {0.0, 0.0, 0.0};
+    const double elapsed = time - state->tick * tick_length;
+    const double since = elapsed > SHAKER_SAME_INSTANT ? elapsed : 0.0;
+    if (elapsed < -SHAKER_SAME_INSTANT) {
+        *floor = rest;
+    } else if (c->platform.present) {
+        platform_motion(state, since, floor);
+    } else {
+        noise_motion(state->modes, &c->noise, c->stream, state->tick, since, floor);
+    }
+}
+
 void shaker_initial(shaker_state *state, const shaker_inputs *inputs, const shaker_coefficients *coefficients,
                     double time, shaker_outputs *outputs)
 {
+    static const shaker_state rest;
     (void)inputs;
-    state->none = 0;
-    *outputs = floor_motion(time, coefficients);
+    *state = rest;
+    state->tick = ceil((time - SHAKER_SAME_INSTANT) / tick_length);
+    accelerate(state, coefficients);
+    if (coefficients->ticking) {
+        ticking_floor(time, state, coefficients, outputs);
+    } else {
+        profile(time, coefficients, outputs);
+    }
 }
 
 void shaker_advance(shaker_state *state, const shaker_inputs *inputs, const shaker_coefficients *coefficients,
                     double time, double step_size, shaker_outputs *outputs)
 {
-    (void)state;
+    const double end = time + step_size;
     (void)inputs;
-    *outputs = floor_motion(time + step_size, coefficients);
+    if (!coefficients->ticking) {
+        profile(end, coefficients, outputs);
+        return;
+    }
+    const double last = floor((end + SHAKER_SAME_INSTANT) / tick_length);
+    while (state->tick < last) {
+        go_on(state, coefficients);
+    }
+    ticking_floor(end, state, coefficients, outputs);
 }

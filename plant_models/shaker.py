@@ -1,95 +1,170 @@
-"""The shaker: the cabin floor's displacement, velocity and acceleration as functions of time."""
+"""The shaker: the cabin floor's displacement, velocity and acceleration, consistent with one another.
+
+The profile is a function of time (bump, sine, sweep in profiles.py, a recording in replay.py) or seeded noise
+(noise.py); a platform may follow it with a lag and limits (platform.py). Noise and platform go in ticks of 2 ms from
+time 0, whatever the communication steps: their state is that at the last tick, and what lies between two ticks is
+evaluated in closed form.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from fmus.component import Component
+from fmus.component import Component, ParameterError, flushed
+from plant_models import noise, platform, replay
+from plant_models.example_recording import EXAMPLE, example
+from plant_models.profiles import SAME_INSTANT, bump, sine, sweep
+from plant_models.random_numbers import random_stream
 from plant_models.shaker_interface import TERMINALS, Inputs, Outputs, Parameters, Profile
 
-SAME_INSTANT = 1e-9
-"""Times closer than this, in s, are one instant: communication points carry rounding errors."""
+TICK = 0.002
+"""In s: what noise and the platform's acceleration are held for."""
 
 
 class State(NamedTuple):
-    """None yet: the profiles so far are functions of time."""
+    """State of the shaker, all of it at the tick's begin.
 
-
-def bump(time: float, height: float, length: float, speed: float) -> Outputs:
-    """Evaluate the bump (34), z_v = a/2 (1 - cos(2 pi v_0 t/l)) for 0 <= t <= l/v_0, and its derivatives.
-
-    Parameters
+    Attributes
     ----------
-    time
-        Since the wheel met the bump, in s.
-    height, length, speed
-        a in m, l in m, v_0 in m/s.
-
-    Returns
-    -------
-    Outputs
-        Right limits: the acceleration jumps at both ends of the bump.
+    tick
+        Number of the tick, from time 0.
+    modes
+        Real and imaginary parts of the noise's modes.
+    platform_displacement, platform_velocity
+        In m and m/s.
+    platform_acceleration
+        In m/s2, over the tick.
     """
-    if not -SAME_INSTANT <= time < length / speed - SAME_INSTANT:
-        return Outputs()
-    omega = 2.0 * math.pi * speed / length
-    half = 0.5 * height
-    return Outputs(
-        floor_displacement=half * (1.0 - math.cos(omega * time)),
-        floor_velocity=half * omega * math.sin(omega * time),
-        floor_acceleration=half * omega * omega * math.cos(omega * time),
-    )
+
+    tick: int
+    modes: Annotated[tuple[float, ...], 2 * noise.MOST_MODES]
+    platform_displacement: float
+    platform_velocity: float
+    platform_acceleration: float
 
 
-def sine(time: float, frequency: float, amplitude: float) -> Outputs:
-    """Evaluate z_v = A sin(2 pi f t) and its derivatives.
+class Coefficients(NamedTuple):
+    """What is prepared for the steps; ``modes``, ``curve`` and ``platform`` are None where they are not needed."""
 
-    Parameters
-    ----------
-    time
-        In s.
-    frequency, amplitude
-        f in Hz, A in m.
+    parameters: Parameters
+    modes: tuple[noise.Mode, ...] | None
+    stream: int
+    curve: replay.Curve | None
+    platform: platform.Platform | None
+
+
+def prepare(parameters: Parameters) -> Coefficients:
+    """Derive the coefficients.
+
+    Raises
+    ------
+    ParameterError
+        If the sweep's fades do not fit in, a platform that follows exactly has limits, or there is something wrong with
+        the recording.
     """
-    omega = 2.0 * math.pi * frequency
-    return Outputs(
-        floor_displacement=amplitude * math.sin(omega * time),
-        floor_velocity=amplitude * omega * math.cos(omega * time),
-        floor_acceleration=-amplitude * omega * omega * math.sin(omega * time),
-    )
-
-
-def floor_motion(time: float, parameters: Parameters) -> Outputs:
-    """Evaluate the chosen profile at a time, in s."""
     p = parameters
+    if p.profile == Profile.sweep and 2.0 * p.sweep_fade > p.sweep_duration:
+        raise ParameterError(
+            f"expected sweep.fade up to half the sweep.duration, got {p.sweep_fade} s of {p.sweep_duration} s"
+        )
+    follower = platform.platform(p, TICK)
+    return Coefficients(
+        parameters=p,
+        modes=noise.modes(p.random_class, p.random_scale, TICK) if p.profile == Profile.random else None,
+        stream=random_stream(p.random_seed),
+        curve=replay.load(p.file_path, p.file_high_pass, p.file_fade) if p.profile == Profile.file else None,
+        platform=follower,
+    )
+
+
+def _profile(time: float, c: Coefficients) -> Outputs:
+    """Evaluate a profile that is a function of time, in s."""
+    p = c.parameters
+    if c.curve is not None:
+        return replay.motion(c.curve, time)
     if p.profile == Profile.sine:
         return sine(time, p.sine_frequency, p.sine_amplitude)
+    if p.profile == Profile.sweep:
+        return sweep(time, p)
     return bump(time, p.bump_height, p.bump_length, p.bump_speed)
 
 
-def initial(inputs: Inputs, coefficients: Parameters, time: float) -> tuple[State, Outputs]:
-    """Evaluate the floor at the start time, in s."""
-    return State(), floor_motion(time, coefficients)
+def _accelerated(state: State, c: Coefficients) -> State:
+    """Let the platform follow the profile at the tick's begin."""
+    if c.platform is None:
+        return state
+    command = (
+        _profile(state.tick * TICK, c)
+        if c.modes is None
+        else noise.motion(state.modes, c.modes, c.stream, state.tick, 0.0)
+    )
+    acceleration = platform.acceleration(state.platform_displacement, state.platform_velocity, command, c.platform)
+    return state._replace(platform_acceleration=acceleration)
+
+
+def _platform(state: State, since: float) -> Outputs:
+    """Evaluate the platform, ``since`` seconds after the tick's begin."""
+    _, _, displacement, velocity, acceleration = state
+    return Outputs(
+        floor_displacement=displacement + since * (velocity + 0.5 * since * acceleration),
+        floor_velocity=velocity + since * acceleration,
+        floor_acceleration=acceleration,
+    )
+
+
+def _next(state: State, c: Coefficients) -> State:
+    """Go to the next tick."""
+    floor = _platform(state, TICK)
+    modes = state.modes if c.modes is None else noise.advanced(state.modes, c.modes, c.stream, state.tick)
+    displacement, velocity = flushed(floor.floor_displacement), flushed(floor.floor_velocity)
+    moved = State(state.tick + 1, modes, displacement, velocity, state.platform_acceleration)
+    return _accelerated(moved, c)
+
+
+def _floor(state: State, c: Coefficients, time: float) -> Outputs:
+    """Evaluate the floor at a time in s, not before the state's tick unless that is the first."""
+    if c.modes is None and c.platform is None:
+        return _profile(time, c)
+    since = time - state.tick * TICK
+    if since < -SAME_INSTANT:
+        return Outputs()
+    since = since if since > SAME_INSTANT else 0.0
+    if c.platform is not None:
+        return _platform(state, since)
+    return noise.motion(state.modes, c.modes or (), c.stream, state.tick, since)
+
+
+def initial(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, Outputs]:
+    """Evaluate the floor at the start time, in s; noise and platform are at rest until the first tick."""
+    tick = math.ceil((time - SAME_INSTANT) / TICK)
+    state = _accelerated(State(tick, (0.0,) * (2 * noise.MOST_MODES), 0.0, 0.0, 0.0), coefficients)
+    return state, _floor(state, coefficients, time)
 
 
 def advance(
-    state: State, inputs: Inputs, coefficients: Parameters, time: float, step_size: float
+    state: State, inputs: Inputs, coefficients: Coefficients, time: float, step_size: float
 ) -> tuple[State, Outputs]:
     """Move the floor to ``time + step_size``, both in s."""
-    return state, floor_motion(time + step_size, coefficients)
+    end = time + step_size
+    if coefficients.modes is not None or coefficients.platform is not None:
+        last = math.floor((end + SAME_INSTANT) / TICK)
+        while state.tick < last:
+            state = _next(state, coefficients)
+    return state, _floor(state, coefficients, end)
 
 
 SHAKER = Component(
     name="Shaker",
-    description="Vertical motion of the cabin floor: a bump (34) or a sine",
+    description="Vertical motion of the cabin floor: bump (34), sine, sweep, ISO 7096 random or a file",
     module=__name__,
     inputs=Inputs,
     outputs=Outputs,
     parameters=Parameters,
     state=State,
-    prepare=lambda parameters: parameters,
+    prepare=prepare,
     initial=initial,
     advance=advance,
     terminals=TERMINALS,
+    resources=lambda: {EXAMPLE: example()},
 )

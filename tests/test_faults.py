@@ -372,9 +372,9 @@ def test_ctrl_c_in_any_other_call_frees_everything(build: Build, trace: Path, wh
 
 def test_ctrl_c_does_not_wait_for_an_isolated_fmu_that_hangs(build: Build, trace: Path):
     timer = threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    begin = time.monotonic()
     with build("sleeps").open(isolate=["cab"], time_limit=50.0) as session:
+        begin = time.monotonic()
+        timer.start()
         result = session.run(0.3, H)
     timer.join()
     assert str(result.error) == "interrupted at t = 0.1 s"

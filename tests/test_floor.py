@@ -9,14 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import NATIVE
+from conftest import NATIVE, Driven
 from floor_signals import CASES, MOVING, errors, exact, run, sampled
 from fmpy.fmi1 import FMICallException
 from reference import Case, bump, open_loop
 from rig import Rig
 
-from cosim.instance import Instance, extract, instantiate
-from cosim.model import Model
 from cosim.scenarios import SCENARIOS, control, seat_suspension
 from plant_models.floor import SHORTEST_INTERVAL, Floor, History, derived
 from plant_models.seat import advance, initial, prepare
@@ -218,47 +216,29 @@ def test_flavours_agree_to_the_last_bit(native: Path, fmus: Path, signal: FloorS
             assert np.array_equal(other[name], expected), name
 
 
-@pytest.fixture(params=[*NATIVE, "python"])
-def seat(request: pytest.FixtureRequest, fmus: Path, native: Path, tmp_path: Path) -> Iterator[Instance]:
-    model = Model.read((fmus.parent if request.param == "python" else native) / request.param / "SeatPlant.fmu")
-    extract(model, tmp_path)
-    instance = instantiate("seat", model, tmp_path)
-    try:
-        yield instance
-    finally:
-        instance.free()
-
-
-def drive(seat: Instance, first: int, last: int) -> list[float]:
+def drive(seat: Driven, first: int, last: int) -> list[list[float]]:
     """Step along the bump by its displacements; returns the driver's accelerations."""
-    inputs, outputs = {"floor_displacement": 0}, {"driver_acceleration": 1}
-    table = np.zeros(2)
-    seat.wire(table, outputs, inputs)
     found = []
     for k in range(first, last):
-        table[0] = bump()(k * H)[0]
+        seat.set(floor_displacement=bump()(k * H)[0])
         seat.step(k * H, H)
-        found.append(table[1])
+        found.append(seat.get("driver_acceleration"))
     return found
 
 
-def test_a_step_can_be_taken_back(seat: Instance):
-    seat.start(1.0, {"floor_signals": 2})
-    seat.finish_initialisation()
+def test_a_step_can_be_taken_back(seat: Driven):
+    seat.begin(floor_signals=2)
     drive(seat, 0, 40)
-    s = "S" if seat.PREFIX == "fmi3" else "s"
-    state = getattr(seat.fmu, f"getFMU{s}tate")()
+    state = seat.state()
     once = drive(seat, 40, 80)
-    getattr(seat.fmu, f"setFMU{s}tate")(state)
+    seat.restore(state)
     assert drive(seat, 40, 80) == once
-    assert max(map(abs, once)) > 0.1
+    assert np.abs(once).max() > 0.1
 
 
-def test_an_input_that_is_not_alive_must_still_be_a_number(seat: Instance):
-    seat.start(1.0, {"floor_signals": 2})
-    seat.finish_initialisation()
-    table = np.array([math.nan, 0.0])
-    seat.wire(table, {"driver_acceleration": 1}, {"floor_velocity": 0})
+def test_an_input_that_is_not_alive_must_still_be_a_number(seat: Driven):
+    seat.begin(floor_signals=2)
+    seat.set(floor_velocity=math.nan)
     with pytest.raises(FMICallException):
         seat.step(0.0, H)
-    assert "floor_velocity: expected a finite number, got nan" in seat.journal.entries[-1].text
+    assert "floor_velocity: expected a finite number, got nan" in seat.said

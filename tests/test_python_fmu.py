@@ -312,10 +312,10 @@ def test_two_versions_of_an_fmu_live_in_one_process(fmus: Path, tmp_path: Path, 
 
     component = next(c for c in builder.COMPONENTS if c.name == "Shaker")
     sources = builder.source_files(component.module, "fmus.python_slave")
-    changed = tmp_path / "shaker.py"
-    text = sources["plant_models/shaker.py"].read_text(encoding="utf-8")
+    changed = tmp_path / "profiles.py"
+    text = sources["plant_models/profiles.py"].read_text(encoding="utf-8")
     changed.write_text(text.replace("half = 0.5 * height", "half = 5.0 * height"), encoding="utf-8")
-    monkeypatch.setattr(builder, "source_files", lambda *_: {**sources, "plant_models/shaker.py": changed})
+    monkeypatch.setattr(builder, "source_files", lambda *_: {**sources, "plant_models/profiles.py": changed})
     tenfold = builder.build_python_fmu(component, tmp_path / "tenfold").path
 
     def height(path: Path, folder: str) -> Any:

@@ -33,7 +33,7 @@ def faulty(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Faulty shakers, built from edited sources."""
     shaker = next(component for component in builder.COMPONENTS if component.name == "Shaker")
     sources = builder.source_files(shaker.module, "fmus.python_slave")
-    step = "    return state, floor_motion(time + step_size"
+    step = "    return state, _floor(state, coefficients, end)"
     fmus = {}
     for name, fault in FAULTS.items():
         folder = tmp_path_factory.mktemp(name)

@@ -49,6 +49,10 @@ def test_names_and_starts_are_those_of_the_contract():
         ("SeatController", "sample_time"): (0.002, "s", "constant", None, None),
         ("SeatPlant", "friction.A"): (6.9321, "1", "fixed", 1e-9, None),
         ("Shaker", "bump.height"): (0.07, "m", "fixed", None, None),
+        ("Shaker", "random.class"): (1, None, "fixed", None, None),
+        ("Shaker", "random.scale"): (1.0, "1", "fixed", 0.0, None),
+        ("Shaker", "random.seed"): (1, None, "fixed", 0, 2**31 - 1),
+        ("Shaker", "file.path"): ("example.csv", None, "fixed", None, None),
     }
     for key, values in expected.items():
         v = declared[key]
@@ -64,7 +68,7 @@ def test_problem_names_variable_range_and_value():
     assert mass.problem(float("-inf")) == "driver_mass: expected a finite number, got -inf"
     profile = next(v for v in ALL if v.name == "profile")
     assert profile.problem(2) is None
-    assert profile.problem(0) == "profile: expected one of 1 (bump), 2 (sine), got 0"
+    assert profile.problem(0) == "profile: expected one of 1 (bump), 2 (sine), 3 (sweep), 4 (random), 5 (file), got 0"
 
 
 def test_contradicting_declarations_are_refused():

@@ -8,6 +8,6 @@ which fmpy ships, and read and written by one declaration for each element.
 """
 
 from cosim.ssp.read import load, read_parameters
-from cosim.ssp.write import package_contents
+from cosim.ssp.write import package_contents, parameter_set
 
-__all__ = ["load", "package_contents", "read_parameters"]
+__all__ = ["load", "package_contents", "parameter_set", "read_parameters"]

@@ -14,6 +14,9 @@ from cosim.ssp.quantities import Hop, Quantity, set_value
 from cosim.structure import Port
 from cosim.units import Unit
 
+_SETTABLE = ("input", "parameter")
+"""Kinds of a system's connectors that take values from outside."""
+
 
 class Bindings:
     """Values of the components' parameters and free inputs.
@@ -75,6 +78,8 @@ class Bindings:
                 f"{label}: passed over, as there is no {entry.target} in {'.'.join(path) or 'the system'}"
             )
             return
+        if target.path not in self._nodes.components and (kind := self._nodes.kind(target)) not in _SETTABLE:
+            raise SetupError(f"{label}: expected a parameter or an input, got the system's {kind} {target}")
         quantity = Quantity.of(parameter.given, units, label)
         hop = Hop(entry.transformation, entry.suppress_unit_conversion)
         self._give(target, quantity.passed(hop, self._nodes.unit(target), label), label)
@@ -95,10 +100,6 @@ class Bindings:
     def _give(self, node: Node, quantity: Quantity, where: str) -> None:
         """Give a value to a node and all that it feeds; a start value of a connected input changes nothing."""
         if node.path not in self._nodes.components:
-            if self._nodes.kind(node) not in ("input", "parameter"):
-                raise SetupError(
-                    f"{where}: expected a parameter or an input, got the system's {self._nodes.kind(node)} {node}"
-                )
             for sink, hop in self._connections.fed_by(node):
                 self._give(sink, quantity.passed(hop, self._nodes.unit(sink), where), where)
             return

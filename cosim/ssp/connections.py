@@ -94,6 +94,8 @@ class Connections:
         source, sink = ends if giving[0] else reversed(ends)
         if sink in self.feeds:
             raise SetupError(f"{where}: expected a free {sink}, got one that {self.feeds[sink].source} feeds")
+        if sink in self._way(source):
+            raise SetupError(f"{where}: expected a way from a component, got a loop of systems' connectors")
         self.feeds[sink] = Feed(source, Hop(connection.transformation, connection.suppress_unit_conversion))
 
     def _end(self, path: Path, element: str | None, connector: str, where: str) -> Node:
@@ -105,14 +107,16 @@ class Connections:
             raise SetupError(f"{where}: expected an element of the system, got {element}{nearest(inner[-1], names)}")
         return Node(inner, connector)
 
-    def _connect(self, sink: Node) -> None:
-        """Connect a component's input to the output that feeds it, through as many systems as there are between."""
+    def _way(self, sink: Node) -> list[Node]:
+        """List a node, what feeds it, what feeds that, and so on."""
         way = [sink]
         while way[-1] in self.feeds:
             way.append(self.feeds[way[-1]].source)
-            if len(way) > len(self.feeds) + 1:
-                raise SetupError(f"{sink}: expected a connection from a component, got a loop of systems' connectors")
-        node, *ends = reversed(way)
+        return way
+
+    def _connect(self, sink: Node) -> None:
+        """Connect a component's input to the output that feeds it, through as many systems as there are between."""
+        node, *ends = reversed(self._way(sink))
         if node.path not in self._nodes.components:
             return
         total, unit = IDENTITY, self._nodes.unit(node)

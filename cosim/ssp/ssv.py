@@ -138,6 +138,7 @@ class Parameter:
     """A parameter by name."""
 
     name: str = attribute("name")
+    description: str | None = attribute("description", default=None)
     given: Given = child({f"ssv:{kind}": Given for kind in KINDS})
 
 
@@ -149,6 +150,7 @@ class ParameterSet:
 
     version: str = attribute("version")
     name: str = attribute("name")
+    description: str | None = attribute("description", default=None)
     parameters: tuple[Parameter, ...] = children({"ssv:Parameter": Parameter}, container="ssv:Parameters")
     enumerations: tuple[Enumeration, ...] = children({"ssc:Enumeration": Enumeration}, container="ssv:Enumerations")
     units: tuple[UnitDefinition, ...] = children({"ssc:Unit": UnitDefinition}, container="ssv:Units")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.metadata import version
 from urllib.parse import quote
 
@@ -40,6 +41,53 @@ def package_contents(structure: Structure) -> dict[str, bytes]:
         sources[name] = file
         resources[file] = content
     return {DESCRIPTION: write_document(_describe(structure, sources)), **resources}
+
+
+def parameter_set(
+    structure: Structure,
+    name: str,
+    parameters: Mapping[str, Value],
+    description: str | None = None,
+    sources: Mapping[str, str] | None = None,
+) -> bytes:
+    """Write parameters as a ``.ssv`` file that :func:`cosim.ssp.read_parameters` reads back.
+
+    Parameters
+    ----------
+    structure
+        Whose parameters they are; values are in the units of its variables, which stand in the file.
+    name
+        Of the set.
+    parameters
+        ``component.variable`` to value.
+    description
+        Of the set.
+    sources
+        ``component.variable`` to where the value comes from.
+
+    Raises
+    ------
+    SetupError
+        If there is no such variable, or a value does not fit it.
+    """
+    units: dict[str, Unit] = {}
+    written = []
+    for key, value in parameters.items():
+        port = Port.parse(key)
+        variable, model = structure.variable(port), structure.models[port.component]
+        given, unit = _given(model, port, value), model.defined_unit(variable)
+        if given.kind == "Real" and unit is not None:
+            given, units[unit.name] = replace(given, unit=unit.name), unit
+        written.append(ssv.Parameter(name=key, description=(sources or {}).get(key), given=given))
+    return write_document(
+        ssv.ParameterSet(
+            version=ssv.VERSION,
+            name=name,
+            description=description,
+            parameters=tuple(written),
+            units=tuple(ssv.UnitDefinition.of(units[name]) for name in sorted(units)),
+        )
+    )
 
 
 def _describe(structure: Structure, sources: dict[str, str]) -> ssd.Description:

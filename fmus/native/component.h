@@ -1,22 +1,26 @@
-/* What the glue knows of a model: its variables and five functions. model.h, generated from the component's declaration,
+/* What the glue knows of a model: its variables and a few functions. model.h, generated from the component's declaration,
  * says the rest: counts, the table MODEL_VARIABLES, names and limits, and how the model's own types come from values.
  *
  *   typedef ... ModelParameters, ModelCoefficients, ModelState, ModelInputs, ModelOutputs;
- *   const char *model_prepare(const ModelParameters *, ModelCoefficients *);         NULL, or what is wrong
+ *   const char *model_prepare(const ModelParameters *, ModelCoefficients *);         NULL, or what is wrong, which lasts
+ *                                                                                    as long as the coefficients
+ *   void model_release(ModelCoefficients *);                                         what was prepared, or all zero
  *   const char *model_warning(const ModelParameters *);                              NULL, or what to think about
  *   void model_initial(ModelState *, const ModelInputs *, const ModelCoefficients *, double time, ModelOutputs *);
  *   void model_advance(ModelState *, const ModelInputs *, const ModelCoefficients *, double time, double step_size,
  *                      ModelOutputs *);
- *   ModelInputs model_inputs(const double values[]);                                 and model_parameters
+ *   ModelInputs model_inputs(const double values[]);
+ *   ModelParameters model_parameters(const double values[], const char *const texts[]);
  *   void model_store_outputs(const ModelOutputs *, double values[]);
  *   void model_pack(const ModelState *, double *packed);                             and model_unpack
  *
- * Every variable has one double in a table of values, the time first; its position is its value reference.
+ * Every variable has one double in a table of values, the time first; its position is its value reference. Texts, which
+ * are names of files, stand apart, in their order.
  */
 #ifndef COMPONENT_H
 #define COMPONENT_H
 
-typedef enum { TYPE_REAL, TYPE_BOOLEAN, TYPE_ENUMERATION } Type;
+typedef enum { TYPE_REAL, TYPE_BOOLEAN, TYPE_INTEGER, TYPE_TEXT } Type;
 
 typedef enum {
     CAUSALITY_INDEPENDENT,
@@ -34,7 +38,7 @@ typedef enum {
     VARIABILITY_CONTINUOUS
 } Variability;
 
-/* A variable as declared; an enumeration counts from 1, which its bounds say. */
+/* A variable as declared; an enumeration is an integer from 1, which its bounds say. */
 typedef struct {
     const char *name;
     const char *unit; /* empty where it has none */

@@ -43,7 +43,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         host.callback = (HostCallback)functions->logger;
         host.environment = functions->componentEnvironment;
     }
-    Instance *it = instance_new(instanceName, fmuGUID, loggingOn != fmi2False, host, __func__);
+    Instance *it = instance_new(instanceName, fmuGUID, fmuResourceLocation, loggingOn != fmi2False, host, __func__);
     if (it != NULL && fmuType != fmi2CoSimulation) {
         instance_unsupported(it, __func__, "it is for co-simulation only");
         instance_free(it);
@@ -122,20 +122,29 @@ fmi2Status fmi2Reset(fmi2Component c)
     }
 
 GETTER(fmi2GetReal, TYPE_REAL, fmi2Real, it->values[vr[i]])
-GETTER(fmi2GetInteger, TYPE_ENUMERATION, fmi2Integer, it->values[vr[i]])
+GETTER(fmi2GetInteger, TYPE_INTEGER, fmi2Integer, it->values[vr[i]])
 GETTER(fmi2GetBoolean, TYPE_BOOLEAN, fmi2Boolean, it->values[vr[i]] != 0.0 ? fmi2True : fmi2False)
 SETTER(fmi2SetReal, TYPE_REAL, fmi2Real, value[i])
-SETTER(fmi2SetInteger, TYPE_ENUMERATION, fmi2Integer, value[i])
+SETTER(fmi2SetInteger, TYPE_INTEGER, fmi2Integer, value[i])
 SETTER(fmi2SetBoolean, TYPE_BOOLEAN, fmi2Boolean, value[i] != fmi2False)
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
 {
-    return (fmi2Status)instance_no_such_type(c, __func__, "String", nvr);
+    const Status status = instance_read(c, __func__, TYPE_TEXT, vr, nvr, value);
+    for (size_t i = 0; status != STATUS_ERROR && i < nvr; ++i) {
+        value[i] = instance_text(c, vr[i]);
+    }
+    return (fmi2Status)status;
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
 {
-    return (fmi2Status)instance_no_such_type(c, __func__, "String", nvr);
+    Status status = instance_may_write(c, __func__, TYPE_TEXT, vr, nvr, value);
+    for (size_t i = 0, legal = status == STATUS_OK; legal && i < nvr; ++i) {
+        const Status written = instance_write_text(c, __func__, vr[i], value[i]);
+        status = written > status ? written : status;
+    }
+    return (fmi2Status)status;
 }
 
 /* ---- states ------------------------------------------------------------------------------------------------------ */

@@ -51,7 +51,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     const Host host = host_of(logMessage, instanceEnvironment);
-    Instance *it = instance_new(instanceName, instantiationToken, loggingOn, host, __func__);
+    Instance *it = instance_new(instanceName, instantiationToken, resourcePath, loggingOn, host, __func__);
     if (eventModeUsed) {
         return refuse(it, __func__, no_events);
     }
@@ -67,7 +67,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3LogMessageCallback logMessage)
 {
     const Host host = host_of(logMessage, instanceEnvironment);
-    return refuse(instance_new(instanceName, instantiationToken, loggingOn, host, __func__), __func__,
+    return refuse(instance_new(instanceName, instantiationToken, resourcePath, loggingOn, host, __func__), __func__,
                   co_simulation_only);
 }
 
@@ -79,7 +79,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption)
 {
     const Host host = host_of(logMessage, instanceEnvironment);
-    return refuse(instance_new(instanceName, instantiationToken, loggingOn, host, __func__), __func__,
+    return refuse(instance_new(instanceName, instantiationToken, resourcePath, loggingOn, host, __func__), __func__,
                   co_simulation_only);
 }
 
@@ -190,10 +190,10 @@ static Status check_counts(const Instance *it, const char *function, size_t refe
 }
 
 GETTER(fmi3GetFloat64, TYPE_REAL, fmi3Float64, value)
-GETTER(fmi3GetInt64, TYPE_ENUMERATION, fmi3Int64, value)
+GETTER(fmi3GetInt64, TYPE_INTEGER, fmi3Int64, value)
 GETTER(fmi3GetBoolean, TYPE_BOOLEAN, fmi3Boolean, value != 0.0)
 SETTER(fmi3SetFloat64, TYPE_REAL, fmi3Float64)
-SETTER(fmi3SetInt64, TYPE_ENUMERATION, fmi3Int64)
+SETTER(fmi3SetInt64, TYPE_INTEGER, fmi3Int64)
 SETTER(fmi3SetBoolean, TYPE_BOOLEAN, fmi3Boolean)
 
 NO_SUCH_TYPE(Float32, fmi3Float32)
@@ -204,7 +204,35 @@ NO_SUCH_TYPE(UInt16, fmi3UInt16)
 NO_SUCH_TYPE(Int32, fmi3Int32)
 NO_SUCH_TYPE(UInt32, fmi3UInt32)
 NO_SUCH_TYPE(UInt64, fmi3UInt64)
-NO_SUCH_TYPE(String, fmi3String)
+
+fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         fmi3String values[], size_t nValues)
+{
+    const size_t count = nValueReferences;
+    Status status = check_counts(instance, __func__, count, nValues);
+    if (status == STATUS_OK) {
+        status = instance_read(instance, __func__, TYPE_TEXT, valueReferences, count, values);
+    }
+    for (size_t i = 0; status != STATUS_ERROR && i < count; ++i) {
+        values[i] = instance_text(instance, valueReferences[i]);
+    }
+    return (fmi3Status)status;
+}
+
+fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                         const fmi3String values[], size_t nValues)
+{
+    const size_t count = nValueReferences;
+    Status status = check_counts(instance, __func__, count, nValues);
+    if (status == STATUS_OK) {
+        status = instance_may_write(instance, __func__, TYPE_TEXT, valueReferences, count, values);
+    }
+    for (size_t i = 0, legal = status == STATUS_OK; legal && i < count; ++i) {
+        const Status written = instance_write_text(instance, __func__, valueReferences[i], values[i]);
+        status = written > status ? written : status;
+    }
+    return (fmi3Status)status;
+}
 
 fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          size_t valueSizes[], fmi3Binary values[], size_t nValues)

@@ -1,6 +1,8 @@
 /* Rules of an instance, see instance.h. */
 #include "instance.h"
 
+#include "paths.h"
+
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -84,7 +86,8 @@ static void explain(const Instance *it, const char *text, char message[MESSAGE_S
 {
     const char *joint = "; got ";
     int length = snprintf(message, MESSAGE_SIZE, "%s", text);
-    for (size_t i = 0; i < VARIABLE_COUNT && length > 0 && length < MESSAGE_SIZE; ++i) {
+    const size_t count = strstr(text, ", got ") == NULL ? VARIABLE_COUNT : 0; /* or it says so itself */
+    for (size_t i = 0; i < count && length > 0 && length < MESSAGE_SIZE; ++i) {
         if (is_named(variables[i].name, text)) {
             length += snprintf(message + length, (size_t)(MESSAGE_SIZE - length), "%s%s = %.10g%s%s", joint,
                                variables[i].name, it->values[i], *variables[i].unit ? " " : "", variables[i].unit);
@@ -147,6 +150,11 @@ static Status check_call(const Instance *it, const char *function, Call call)
 
 static void start_anew(Instance *it)
 {
+    static const char *const texts[] = {MODEL_TEXTS};
+    memset(it->texts, 0, sizeof it->texts);
+    for (size_t i = TEXT_COUNT; i-- > 0;) {
+        snprintf(it->texts + i * TEXT_SIZE, TEXT_SIZE, "%s", texts[i]);
+    }
     for (size_t i = 0; i < VARIABLE_COUNT; ++i) {
         it->values[i] = variables[i].start;
     }
@@ -155,7 +163,8 @@ static void start_anew(Instance *it)
     it->outputs_due = true;
 }
 
-Instance *instance_new(const char *name, const char *token, bool logging, Host host, const char *function)
+Instance *instance_new(const char *name, const char *token, const char *resources, bool logging, Host host,
+                       const char *function)
 {
     Instance *it = calloc(1, sizeof *it);
     if (it == NULL) {
@@ -164,6 +173,7 @@ Instance *instance_new(const char *name, const char *token, bool logging, Host h
     it->host = host;
     it->categories = logging ? ALL_CATEGORIES : 0;
     snprintf(it->name, sizeof it->name, "%s", name == NULL ? "" : name);
+    path_of_resources(resources, it->resources, sizeof it->resources);
     start_anew(it);
     if (*it->name == '\0') {
         instance_fail(it, function, "expected a name of the instance, got none");
@@ -179,6 +189,9 @@ Instance *instance_new(const char *name, const char *token, bool logging, Host h
 
 void instance_free(Instance *it)
 {
+    if (it != NULL) {
+        model_release(&it->coefficients);
+    }
     free(it);
 }
 
@@ -212,13 +225,20 @@ static Status prepare(Instance *it, const char *function, Status failure)
     if (it->prepared) {
         return STATUS_OK;
     }
-    const ModelParameters parameters = model_parameters(it->values);
+    char paths[TEXT_COUNT + 1][2 * TEXT_SIZE];
+    const char *texts[TEXT_COUNT + 1] = {NULL};
+    for (size_t i = TEXT_COUNT; i-- > 0;) {
+        path_in_folder(it->resources, it->texts + i * TEXT_SIZE, paths[i], sizeof paths[i]);
+        texts[i] = paths[i];
+    }
+    const ModelParameters parameters = model_parameters(it->values, texts);
     ModelCoefficients coefficients;
     const char *problem = model_prepare(&parameters, &coefficients);
     if (problem != NULL) {
         explain(it, problem, message);
         return complain(it, failure, function, "%s", message);
     }
+    model_release(&it->coefficients);
     it->coefficients = coefficients;
     it->prepared = true;
     const char *warning = model_warning(&parameters);
@@ -287,15 +307,18 @@ Status instance_step(Instance *it, const char *function, double time, double ste
         return STATUS_ERROR;
     }
     const ModelInputs inputs = model_inputs(it->values);
-    ModelState state = it->state; /* the instance stays as it is unless all goes well */
+    const size_t tail = model_tail(&it->state);
+    ModelState before; /* the instance stays as it is unless all goes well */
     ModelOutputs outputs;
     double values[VARIABLE_COUNT];
-    model_advance(&state, &inputs, &it->coefficients, time, step_size, &outputs);
+    model_copy(&before, &it->state, tail);
+    model_advance(&it->state, &inputs, &it->coefficients, time, step_size, &outputs);
     model_store_outputs(&outputs, values);
     if (check_finite(it, function, STATUS_ERROR, values, FIRST_OUTPUT, OUTPUT_COUNT) != STATUS_OK) {
+        memset(&it->state, 0, sizeof it->state);
+        model_copy(&it->state, &before, tail);
         return STATUS_ERROR;
     }
-    it->state = state;
     memcpy(it->values + FIRST_OUTPUT, values + FIRST_OUTPUT, OUTPUT_COUNT * sizeof *values);
     it->values[0] = time + step_size;
     return STATUS_OK;
@@ -322,7 +345,7 @@ Status instance_reset(Instance *it, const char *function)
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-static const char *const type_names[] = {"number", "Boolean", "enumeration"};
+static const char *const type_names[] = {"number", "Boolean", "integer", "text"};
 
 static Status check_references(const Instance *it, const char *function, Type type, const uint32_t references[],
                                size_t count, const void *values)
@@ -391,6 +414,16 @@ static bool is_legal(const Variable *variable, double value)
     return isfinite(value) && value >= variable->minimum && value <= variable->maximum;
 }
 
+/* Note that a variable was set. */
+static Status set_anew(Instance *it, const Variable *variable)
+{
+    it->outputs_due = true;
+    if (variable->causality == CAUSALITY_PARAMETER) {
+        it->prepared = false;
+    }
+    return STATUS_OK;
+}
+
 Status instance_write(Instance *it, const char *function, uint32_t reference, double value)
 {
     const Variable *variable = &variables[reference];
@@ -404,11 +437,40 @@ Status instance_write(Instance *it, const char *function, uint32_t reference, do
                              variable->minimum, variable->maximum, *variable->unit ? " " : "", variable->unit, value);
     }
     it->values[reference] = value;
-    it->outputs_due = true;
-    if (variable->causality == CAUSALITY_PARAMETER) {
-        it->prepared = false;
+    return set_anew(it, variable);
+}
+
+/* Where a text begins among all texts. */
+static size_t text_at(uint32_t reference)
+{
+    size_t before = 0;
+    for (uint32_t i = 0; i < reference; ++i) {
+        before += variables[i].type == TYPE_TEXT;
     }
-    return STATUS_OK;
+    return before * TEXT_SIZE;
+}
+
+const char *instance_text(const Instance *it, uint32_t reference)
+{
+    return it->texts + text_at(reference);
+}
+
+Status instance_write_text(Instance *it, const char *function, uint32_t reference, const char *text)
+{
+    const Variable *variable = &variables[reference];
+    if (!may_be_set(it, variable)) {
+        return instance_fail(it, function, "%s: a %s %s may not be set while %s, got %.100s", variable->name,
+                             variability_names[variable->variability], causality_names[variable->causality],
+                             phase_names[it->phase], text == NULL ? "a null pointer" : text);
+    }
+    if (text == NULL || strlen(text) > LONGEST_TEXT) {
+        return instance_fail(it, function, "%s: expected a text of at most %d bytes, got %s", variable->name,
+                             (int)LONGEST_TEXT, text == NULL ? "a null pointer" : "more");
+    }
+    char *place = it->texts + text_at(reference);
+    memset(place, 0, TEXT_SIZE);
+    memcpy(place, text, strlen(text));
+    return set_anew(it, variable);
 }
 
 Status instance_no_such_type(const Instance *it, const char *function, const char *type, size_t count)
@@ -432,16 +494,18 @@ typedef struct {
     uint64_t size;
     uint64_t checksum;
     double content[CONTENT_COUNT];
+    char texts[TEXTS_SIZE];
 } Snapshot;
 
 static const char magic[8] = {'F', 'M', 'U', 's', 't', 'a', 't', 'e'};
 
-/* FNV-1a over the content. */
+/* FNV-1a over the content and the texts. */
 static uint64_t checksum(const Snapshot *snapshot)
 {
-    unsigned char bytes[sizeof snapshot->content];
+    unsigned char bytes[sizeof snapshot->content + sizeof snapshot->texts];
     uint64_t sum = 14695981039346656037u;
-    memcpy(bytes, snapshot->content, sizeof bytes);
+    memcpy(bytes, snapshot->content, sizeof snapshot->content);
+    memcpy(bytes + sizeof snapshot->content, snapshot->texts, sizeof snapshot->texts);
     for (size_t i = 0; i < sizeof bytes; ++i) {
         sum = (sum ^ bytes[i]) * 1099511628211u;
     }
@@ -459,6 +523,7 @@ static void take(const Instance *it, Snapshot *snapshot)
     snapshot->content[FLAG_WARNED] = (double)it->warned;
     memcpy(snapshot->content + VALUES_AT, it->values, sizeof it->values);
     model_pack(&it->state, snapshot->content + STATE_AT);
+    memcpy(snapshot->texts, it->texts, sizeof it->texts);
     snapshot->checksum = checksum(snapshot);
 }
 
@@ -492,6 +557,17 @@ Status instance_get_state(const Instance *it, const char *function, void **state
     return STATUS_OK;
 }
 
+/* Whether the parameters of an instance are those of a state. */
+static bool has_parameters(const Instance *it, const Snapshot *snapshot)
+{
+    bool same = memcmp(it->texts, snapshot->texts, sizeof it->texts) == 0;
+    for (size_t i = 0; i < VARIABLE_COUNT; ++i) {
+        same = same && (variables[i].causality != CAUSALITY_PARAMETER ||
+                        memcmp(&it->values[i], &snapshot->content[VALUES_AT + i], sizeof it->values[i]) == 0);
+    }
+    return same;
+}
+
 Status instance_set_state(Instance *it, const char *function, const void *state)
 {
     const Snapshot *snapshot = state;
@@ -501,10 +577,11 @@ Status instance_set_state(Instance *it, const char *function, const void *state)
     it->phase = (Phase)(int)snapshot->content[FLAG_PHASE];
     it->outputs_due = snapshot->content[FLAG_OUTPUTS_DUE] > 0.0;
     it->warned = snapshot->content[FLAG_WARNED] > 0.0;
-    it->prepared = false;
+    it->prepared = it->prepared && has_parameters(it, snapshot);
     memcpy(it->values, snapshot->content + VALUES_AT, sizeof it->values);
+    memcpy(it->texts, snapshot->texts, sizeof it->texts);
     model_unpack(&it->state, snapshot->content + STATE_AT);
-    return STATUS_OK;
+    return it->phase == PHASE_STEPPING ? prepare(it, function, STATUS_ERROR) : STATUS_OK; /* not to do so in a step */
 }
 
 Status instance_free_state(const Instance *it, const char *function, void **state)

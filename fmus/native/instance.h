@@ -12,6 +12,8 @@
 /* As both standards number them. */
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR } Status;
 
+enum { TEXT_SIZE = LONGEST_TEXT + 1, TEXTS_SIZE = TEXT_COUNT * TEXT_SIZE + 8 }; /* the latter never 0 */
+
 typedef enum { PHASE_INSTANTIATED, PHASE_INITIALISING, PHASE_STEPPING, PHASE_TERMINATED, PHASE_COUNT } Phase;
 
 typedef struct Instance Instance;
@@ -35,6 +37,8 @@ struct Instance {
     unsigned categories; /* bit of each category that is logged */
     Phase phase;
     double values[VARIABLE_COUNT]; /* by value reference; the first is the time reached, in s */
+    char texts[TEXTS_SIZE];        /* one after the other, each in as much room */
+    char resources[TEXT_SIZE];     /* folder of the FMU's resources, empty where the host has told none */
     ModelState state;
     ModelCoefficients coefficients;
     bool prepared;    /* whether the coefficients are those of the parameters */
@@ -45,8 +49,9 @@ struct Instance {
 /* In all that follows `function` is the standard's name of the function that was called, for messages. Functions that
  * return a status check that there is an instance. */
 
-/* Make an instance, or return NULL where name or token is wrong. */
-Instance *instance_new(const char *name, const char *token, bool logging, Host host, const char *function);
+/* Make an instance, or return NULL where name or token is wrong. The resources are a folder or its URI, or NULL. */
+Instance *instance_new(const char *name, const char *token, const char *resources, bool logging, Host host,
+                       const char *function);
 void instance_free(Instance *it);
 
 /* Log an error and return its status. The format is printf's. */
@@ -73,6 +78,9 @@ Status instance_read(Instance *it, const char *function, Type type, const uint32
 Status instance_may_write(const Instance *it, const char *function, Type type, const uint32_t references[],
                           size_t count, const void *values);
 Status instance_write(Instance *it, const char *function, uint32_t reference, double value);
+/* The same for a text, and how to read one. */
+Status instance_write_text(Instance *it, const char *function, uint32_t reference, const char *text);
+const char *instance_text(const Instance *it, uint32_t reference);
 /* Refuse an access to a type that no variable here has; none of nothing is fine. */
 Status instance_no_such_type(const Instance *it, const char *function, const char *type, size_t count);
 

@@ -30,6 +30,8 @@ Code reset(Fmu fmu);
 
 Code get(Fmu fmu, Type type, const uint32_t *references, size_t count, double *values);
 Code set(Fmu fmu, Type type, const uint32_t *references, size_t count, const double *values);
+Code get_text(Fmu fmu, uint32_t reference, const char **text);
+Code set_text(Fmu fmu, uint32_t reference, const char *text);
 Code get_into_nothing(Fmu fmu);
 Code set_from_nothing(Fmu fmu);
 

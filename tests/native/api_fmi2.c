@@ -103,6 +103,16 @@ Code set(Fmu fmu, Type type, const uint32_t *references, size_t count, const dou
                                        : fmi2SetInteger(fmu, references, count, given));
 }
 
+Code get_text(Fmu fmu, uint32_t reference, const char **text)
+{
+    return (Code)fmi2GetString(fmu, &reference, 1, text);
+}
+
+Code set_text(Fmu fmu, uint32_t reference, const char *text)
+{
+    return (Code)fmi2SetString(fmu, &reference, 1, &text);
+}
+
 Code get_into_nothing(Fmu fmu)
 {
     return (Code)fmi2GetReal(fmu, NULL, 3, NULL);

@@ -117,6 +117,16 @@ Code set(Fmu fmu, Type type, const uint32_t *references, size_t count, const dou
                                        : fmi3SetInt64(fmu, references, count, numbers, count));
 }
 
+Code get_text(Fmu fmu, uint32_t reference, const char **text)
+{
+    return (Code)fmi3GetString(fmu, &reference, 1, text, 1);
+}
+
+Code set_text(Fmu fmu, uint32_t reference, const char *text)
+{
+    return (Code)fmi3SetString(fmu, &reference, 1, &text, 1);
+}
+
 Code get_into_nothing(Fmu fmu)
 {
     return (Code)fmi3GetFloat64(fmu, NULL, 3, NULL, 3);

@@ -88,7 +88,7 @@ static void null_instances_are_refused(void)
     CHECK(set_logging(NULL, true, 0, NULL) == ERROR);
     CHECK(begin(NULL, 0.0) == ERROR && end(NULL) == ERROR && step(NULL, 0.0, h) == ERROR);
     CHECK(terminate_run(NULL) == ERROR && reset(NULL) == ERROR);
-    for (int type = TYPE_REAL; type <= TYPE_ENUMERATION; ++type) {
+    for (int type = TYPE_REAL; type <= TYPE_INTEGER; ++type) {
         const uint32_t reference = 0;
         CHECK(get(NULL, (Type)type, &reference, 1, &value) == ERROR);
         CHECK(set(NULL, (Type)type, &reference, 1, &value) == ERROR);
@@ -160,6 +160,9 @@ static void every_variable_can_be_read_and_is_guarded(void)
             const Variable *v = &variables[i];
             const bool parameter = v->causality == CAUSALITY_PARAMETER;
             double before = -1.0, after = -2.0;
+            if (v->type == TYPE_TEXT) {
+                continue;
+            }
             CHECK(get_one(fmu, i, &before) == OK);
             CHECK(v->causality == CAUSALITY_OUTPUT || before == v->start);
             CHECK((set_one(fmu, i, before) == OK) == settable(v, phase));
@@ -173,7 +176,7 @@ static void every_variable_can_be_read_and_is_guarded(void)
                 CHECK(set_one(fmu, i, NAN) == ERROR && set_one(fmu, i, INFINITY) == ERROR);
                 CHECK(strstr(journal.last, v->name) != NULL || phase == TERMINATED);
             }
-            for (int type = TYPE_REAL; type <= TYPE_ENUMERATION; ++type) {
+            for (int type = TYPE_REAL; type <= TYPE_INTEGER; ++type) {
                 CHECK((get(fmu, (Type)type, &i, 1, &after) == OK) == (v->type == (Type)type));
                 if (v->type != (Type)type) {
                     CHECK(set(fmu, (Type)type, &i, 1, &after) == ERROR);
@@ -189,6 +192,42 @@ static void every_variable_can_be_read_and_is_guarded(void)
         }
         CHECK(get_into_nothing(fmu) == ERROR && set_from_nothing(fmu) == ERROR);
         CHECK(get(fmu, TYPE_REAL, NULL, 0, NULL) == OK);
+        discard(fmu);
+    }
+}
+
+static void texts_are_kept_and_guarded(void)
+{
+    char longest[LONGEST_TEXT + 2];
+    memset(longest, 'x', sizeof longest);
+    longest[LONGEST_TEXT + 1] = '\0';
+    for (uint32_t i = 0; i < VARIABLE_COUNT; ++i) {
+        Journal journal = {0};
+        const char *text = NULL;
+        char start[LONGEST_TEXT + 1];
+        void *state = NULL;
+        double number;
+        if (variables[i].type != TYPE_TEXT) {
+            continue;
+        }
+        Fmu fmu = make_in(INSTANTIATED, &journal);
+        CHECK(get_text(fmu, i, &text) == OK && *text != '\0');
+        strcpy(start, text);
+        CHECK(set_text(fmu, i, longest) == ERROR && strstr(journal.last, variables[i].name) != NULL);
+        CHECK(set_text(fmu, i, NULL) == ERROR && get_text(fmu, i, &text) == OK && strcmp(text, start) == 0);
+        CHECK(set_text(fmu, i, longest + 1) == OK && get_text(fmu, i, &text) == OK && strcmp(text, longest + 1) == 0);
+        CHECK(set_text(fmu, i, "/a b/%n.csv") == OK && get_text(fmu, i, &text) == OK);
+        CHECK(strcmp(text, "/a b/%n.csv") == 0);
+        for (int type = TYPE_REAL; type <= TYPE_INTEGER; ++type) {
+            CHECK(get(fmu, (Type)type, &i, 1, &number) == ERROR && set(fmu, (Type)type, &i, 1, &number) == ERROR);
+        }
+        CHECK(get_text(fmu, 0, &text) == ERROR && set_text(fmu, 0, "x") == ERROR);
+        CHECK(get_text(NULL, i, &text) == ERROR && set_text(NULL, i, "x") == ERROR);
+        CHECK(begin(fmu, 0.0) == OK && end(fmu) == OK && set_text(fmu, i, "late") == ERROR);
+        CHECK(get_state(fmu, &state) == OK && reset(fmu) == OK);
+        CHECK(get_text(fmu, i, &text) == OK && strcmp(text, start) == 0);
+        CHECK(set_state(fmu, state) == OK && free_state(fmu, &state) == OK);
+        CHECK(get_text(fmu, i, &text) == OK && strcmp(text, "/a b/%n.csv") == 0 && step(fmu, 0.0, h) == OK);
         discard(fmu);
     }
 }
@@ -343,6 +382,7 @@ int main(void)
     wrong_instantiations_are_refused();
     calls_are_legal_in_their_states_only();
     every_variable_can_be_read_and_is_guarded();
+    texts_are_kept_and_guarded();
     steps_refuse_what_is_wrong_and_leave_everything();
     logging_obeys();
     reset_is_as_good_as_new();

@@ -3,6 +3,8 @@
 
 #include <stddef.h>
 
+static const char *const texts[] = {MODEL_TEXTS};
+
 /* Step sample after sample, each with its own row of values (parameters and inputs), state, time and step size; the
  * outputs go into the values. Returns how many were refused; these are marked and left alone. */
 int parity_advance(size_t count, double *values, double *states, const double *times, const double *steps,
@@ -12,7 +14,7 @@ int parity_advance(size_t count, double *values, double *states, const double *t
     for (size_t i = 0; i < count; ++i) {
         double *row = values + i * VARIABLE_COUNT;
         double *packed = states + i * STATE_COUNT;
-        const ModelParameters parameters = model_parameters(row);
+        const ModelParameters parameters = model_parameters(row, texts);
         const ModelInputs inputs = model_inputs(row);
         ModelCoefficients coefficients;
         ModelOutputs outputs;
@@ -24,6 +26,7 @@ int parity_advance(size_t count, double *values, double *states, const double *t
             model_advance(&state, &inputs, &coefficients, times[i], steps[i], &outputs);
             model_pack(&state, packed);
             model_store_outputs(&outputs, row);
+            model_release(&coefficients);
         }
     }
     return refusals;
@@ -37,7 +40,7 @@ int parity_initial(size_t count, double *values, double *states, const double *t
     (void)steps;
     for (size_t i = 0; i < count; ++i) {
         double *row = values + i * VARIABLE_COUNT;
-        const ModelParameters parameters = model_parameters(row);
+        const ModelParameters parameters = model_parameters(row, texts);
         const ModelInputs inputs = model_inputs(row);
         ModelCoefficients coefficients;
         ModelOutputs outputs;
@@ -48,6 +51,7 @@ int parity_initial(size_t count, double *values, double *states, const double *t
             model_initial(&state, &inputs, &coefficients, times[i], &outputs);
             model_pack(&state, states + i * STATE_COUNT);
             model_store_outputs(&outputs, row);
+            model_release(&coefficients);
         }
     }
     return refusals;

@@ -1,0 +1,157 @@
+/* Seeded white noise through Butterworth filters in partial fractions; explained in noise.py. */
+#include "noise.h"
+#include "random_numbers.h"
+
+#include <math.h>
+
+static const double pi = 3.14159265358979323846;
+
+typedef noise_complex complex_t;
+
+/* A class's spectrum: orders and corners in Hz of high-pass and low-pass, level in (m/s2)2/Hz. ISO 7096. */
+typedef struct {
+    int high_order;
+    double high_corner;
+    int low_order;
+    double low_corner, level;
+} band_t;
+
+static const band_t bands[] = {
+    {4, 1.5, 4, 2.5, 2.82}, /* EM1 */
+    {4, 1.5, 4, 3.0, 2.72}, /* EM2 */
+    {4, 1.5, 4, 3.0, 1.93}, /* EM3 */
+    {4, 1.5, 4, 3.0, 0.60}, /* EM4 */
+    {4, 1.5, 1, 3.5, 1.11}, /* EM5 */
+    {2, 6.5, 2, 9.0, 0.79}, /* EM6 */
+    {8, 3.0, 8, 3.5, 9.25}, /* EM7 */
+    {4, 3.0, 2, 3.0, 1.45}, /* EM8 */
+    {4, 3.5, 2, 4.0, 2.10}, /* EM9 */
+};
+
+/* ---- complex numbers --------------------------------------------------------------------------------------------- */
+
+static complex_t complex_of(double re, double im)
+{
+    const complex_t z = {re, im};
+    return z;
+}
+
+static complex_t times(complex_t a, complex_t b)
+{
+    return complex_of(a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re);
+}
+
+static complex_t inverse(complex_t z)
+{
+    const double size = z.re * z.re + z.im * z.im;
+    return complex_of(z.re / size, -z.im / size);
+}
+
+static double real_part_of_product(complex_t a, complex_t b)
+{
+    return a.re * b.re - a.im * b.im;
+}
+
+/* ---- modes ------------------------------------------------------------------------------------------------------- */
+
+/* Add a Butterworth filter's poles with Im >= 0 to those that are there; returns how many there are then. */
+static int add_poles(int order, double corner, complex_t poles[], int count)
+{
+    const double omega = 2.0 * pi * corner;
+    for (int k = 0; k < order / 2; ++k) {
+        const double angle = pi * (double)(2 * k + order + 1) / (double)(2 * order);
+        poles[count++] = complex_of(omega * cos(angle), omega * sin(angle));
+    }
+    if (order % 2 != 0) {
+        poles[count++] = complex_of(-omega, 0.0);
+    }
+    return count;
+}
+
+/* What a time makes of a mode's state and of held noise: exp(p t) and (exp(p t) - 1)/p. */
+static void transition(complex_t pole, double time, complex_t *growth, complex_t *push)
+{
+    const double size = exp(pole.re * time), angle = pole.im * time;
+    *growth = complex_of(size * cos(angle), size * sin(angle));
+    *push = times(complex_of(growth->re - 1.0, growth->im), inverse(pole));
+}
+
+static void prepare_mode(int i, const complex_t poles[], int count, int order, double gain, double tick,
+                         noise_mode *mode)
+{
+    const complex_t pole = poles[i];
+    complex_t residue = complex_of(gain, 0.0);
+    for (int k = 0; k < order; ++k) {
+        residue = times(residue, pole);
+    }
+    for (int j = 0; j < count; ++j) {
+        if (j != i) {
+            residue = times(residue, inverse(complex_of(pole.re - poles[j].re, pole.im - poles[j].im)));
+        }
+        if (poles[j].im > 0.0) {
+            residue = times(residue, inverse(complex_of(pole.re - poles[j].re, pole.im + poles[j].im)));
+        }
+    }
+    if (pole.im > 0.0) {
+        residue = complex_of(residue.re * 2.0, residue.im * 2.0);
+    }
+    mode->pole = pole;
+    mode->acceleration = residue;
+    mode->velocity = times(residue, inverse(pole));
+    mode->displacement = times(mode->velocity, inverse(pole));
+    transition(pole, tick, &mode->growth, &mode->push);
+}
+
+void noise_prepare(int chosen, double scale, double tick, noise_coefficients *coefficients)
+{
+    const band_t *band = &bands[chosen - 1];
+    complex_t poles[NOISE_MODES];
+    int count = add_poles(band->high_order, band->high_corner, poles, 0);
+    double gain = scale * sqrt(band->level / (2.0 * tick));
+    count = add_poles(band->low_order, band->low_corner, poles, count);
+    for (int k = 0; k < band->low_order; ++k) {
+        gain = gain * (2.0 * pi * band->low_corner);
+    }
+    coefficients->count = count;
+    for (int i = 0; i < count; ++i) {
+        prepare_mode(i, poles, count, band->high_order, gain, tick, &coefficients->modes[i]);
+    }
+}
+
+/* ---- motion ------------------------------------------------------------------------------------------------------ */
+
+static complex_t moved(complex_t x, complex_t growth, complex_t push, double noise)
+{
+    const complex_t grown = times(growth, x);
+    return complex_of(grown.re + push.re * noise, grown.im + push.im * noise);
+}
+
+void noise_advance(double state[], const noise_coefficients *coefficients, uint64_t stream, double tick)
+{
+    const double noise = random_normal(stream, (int64_t)tick);
+    for (int i = 0; i < coefficients->count; ++i) {
+        const noise_mode *mode = &coefficients->modes[i];
+        const complex_t x = moved(complex_of(state[2 * i], state[2 * i + 1]), mode->growth, mode->push, noise);
+        state[2 * i] = x.re;
+        state[2 * i + 1] = x.im;
+    }
+}
+
+void noise_motion(const double state[], const noise_coefficients *coefficients, uint64_t stream, double tick,
+                  double since, shaker_outputs *floor)
+{
+    const double noise = since > 0.0 ? random_normal(stream, (int64_t)tick) : 0.0;
+    floor->floor_displacement = floor->floor_velocity = floor->floor_acceleration = 0.0;
+    for (int i = 0; i < coefficients->count; ++i) {
+        const noise_mode *mode = &coefficients->modes[i];
+        complex_t x = complex_of(state[2 * i], state[2 * i + 1]);
+        if (since > 0.0) {
+            complex_t growth, push;
+            transition(mode->pole, since, &growth, &push);
+            x = moved(x, growth, push, noise);
+        }
+        floor->floor_displacement += real_part_of_product(mode->displacement, x);
+        floor->floor_velocity += real_part_of_product(mode->velocity, x);
+        floor->floor_acceleration += real_part_of_product(mode->acceleration, x);
+    }
+}

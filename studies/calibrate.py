@@ -1,0 +1,185 @@
+"""Calibrate what the paper does not publish on its 55 kg column, and predict the rest (docs/calibration.md).
+
+python studies/calibrate.py                   tables and figures, in some five minutes
+python studies/calibrate.py --write           and the parameter sets, into plant_models/parameter_sets
+python studies/calibrate.py --fmus DIR --figures DIR
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from calibration import (
+    BUMP_PEAKS,
+    CONTROLLED_RMS,
+    PASSIVE_RMS,
+    REDUCTIONS,
+    UNCONTROLLED_RMS,
+    Alternative,
+    Comparison,
+    Shape,
+    alternatives,
+    calibrate,
+    compare,
+    contents,
+    fit_damping,
+    fit_scale,
+    insisted,
+    passive_seat,
+    ride,
+)
+from calibration_figures import draw_figures
+from rich.console import Console
+from rich.table import Table
+from rides import DURATION, FEW_SEEDS, FLOOR, SEEDS, Parameters, Rides
+
+from cosim.scenarios import control
+from plant_models import parameter_sets
+
+ROOT = Path(__file__).parent.parent
+CONSOLE = Console(width=150)
+
+
+def fitted_table(light: Comparison, sets: Mapping[str, Parameters]) -> Table:
+    """Show the figures of the paper that were fitted."""
+    table = Table("55 kg, RMS of the seat", "paper", "here", "by", title="Fitted")
+    rows = (
+        ("uncontrolled", UNCONTROLLED_RMS, light.uncontrolled, "ride", "shaker.random.scale", ""),
+        ("passive", PASSIVE_RMS, light.passive, "passive", "seat.suspension_damping", " N s/m"),
+        ("controlled", CONTROLLED_RMS, light.prototype, "prototype", "seat.actuator.time_constant", " s"),
+    )
+    for name, paper, found, of, parameter, unit in rows:
+        table.add_row(name, f"{paper}", f"{found.rms:.3f}", f"{parameter} = {sets[of][parameter]:g}{unit}")
+    return table
+
+
+def predictions(rides: Rides, sets: Mapping[str, Parameters], heavy: Comparison) -> list[tuple[str, float, float]]:
+    """Return name, the paper's figure and ours, for all that was not fitted."""
+    rows = [("70 kg: reduction by the prototype, %", 100 * REDUCTIONS[70.0], 100 * heavy.reduction("prototype"))]
+    for mass, papers in BUMP_PEAKS.items():
+        for paper, name, seat in zip(papers, ("passive", "prototype"), (control(False), {}), strict=True):
+            found = rides.bump({**seat, **sets[name]}, mass)
+            for part, value in zip(("seat", "driver"), found, strict=True):
+                rows.append((f"{mass:g} kg, bump: peak of the {part}, {name}, m/s2", paper, value))
+    return rows
+
+
+def predicted_table(rows: Iterable[tuple[str, float, float]]) -> Table:
+    """Show what was not fitted."""
+    table = Table("", "paper", "here", "difference", title="Predicted")
+    for name, paper, found in rows:
+        table.add_row(name, f"{paper:g}", f"{found:.2f}", f"{found - paper:+.2f}")
+    return table
+
+
+def ideal_table(light: Comparison, heavy: Comparison) -> Table:
+    """Show the ideal simulation against the passive seat."""
+    table = Table("ideal, against the passive seat", "paper's experiment", "here", title="Ideal simulation (predicted)")
+    for mass, comparison in ((55.0, light), (70.0, heavy)):
+        table.add_row(f"{mass:g} kg", f"-{REDUCTIONS[mass]:.1%}", f"-{comparison.reduction('ideal'):.1%}")
+    return table
+
+
+def error_table(light: Comparison, heavy: Comparison) -> Table:
+    """Show how sure each RMS is, and the spectra's peaks."""
+    table = Table(
+        "",
+        "RMS, m/s2",
+        "sigma",
+        "by the formula",
+        "of one minute",
+        "peak, m/s2",
+        "spectrum's peak, Hz",
+        title=f"All rides: {len(SEEDS)} x {DURATION:g} s",
+    )
+    for mass, comparison in ((55, light), (70, heavy)):
+        for name, found in comparison._asdict().items():
+            table.add_row(
+                f"{mass} kg {name}",
+                f"{found.rms:.3f}",
+                f"{found.scatter / len(SEEDS) ** 0.5:.1%}",
+                f"{found.error(len(SEEDS) * DURATION):.1%}",
+                f"{found.error(60.0):.0%}",
+                f"{found.peak:.1f}",
+                f"{found.peak_frequency:.2f}",
+            )
+    return table
+
+
+def alternatives_table(rides: Rides, sets: Mapping[str, Parameters]) -> Table:
+    """Show what other assumptions that fit as well would predict."""
+    table = Table(
+        "", "reduction 55 kg", "70 kg", "bump, seat: 55 kg", "70 kg", "driver: 55 kg", "70 kg",
+        title="Other assumptions that fit as well (two seeds; bump: passive -> controlled)",
+    )  # fmt: skip
+    for name, other in [Alternative("as committed", sets), *alternatives(rides, sets)]:
+        reductions = [compare(rides, other, mass, FEW_SEEDS).reduction("prototype") for mass in REDUCTIONS]
+        peaks = [
+            [rides.bump({**control(False), **other["passive"]}, mass), rides.bump(other["prototype"], mass)]
+            for mass in BUMP_PEAKS
+        ]
+        bumps = [f"{passive[part]:.2f} -> {active[part]:.2f}" for part in (0, 1) for passive, active in peaks]
+        table.add_row(name, *(f"-{value:.1%}" for value in reductions), *bumps)
+    return table
+
+
+def survey_classes(rides: Rides) -> Table:
+    """Show what each shape of excitation would mean."""
+    table = Table(
+        "class",
+        "scale",
+        "floor's peak, Hz",
+        "uncontrolled: peak, Hz",
+        "m/s2",
+        "ideal reduction",
+        "passive: damping",
+        "peak, Hz",
+        "better than uncontrolled by, 2.5-4.5 Hz",
+        title="Shapes of the excitation (two seeds; EM2, EM3 and EM4 have one shape)",
+    )
+    for name in ("EM1", "EM3", "EM5", "EM6", "EM7", "EM8", "EM9"):
+        scale = insisted(fit_scale(rides, name, FEW_SEEDS))
+        floor = ride(scale, name)
+        shaken = rides.random({**floor, **control(False)}, seeds=FEW_SEEDS, signal=FLOOR)
+        free = rides.random({**floor, **control(False)}, seeds=FEW_SEEDS)
+        ideal = rides.random(floor, seeds=FEW_SEEDS)
+        cells = [f"{scale:.3f}", f"{shaken.peak_frequency:.2f}", f"{free.peak_frequency:.2f}", f"{free.peak:.1f}"]
+        damping = fit_damping(rides, floor, seeds=FEW_SEEDS)
+        if damping is not None:
+            seat = passive_seat(rides, damping)
+            there = rides.random({**floor, **control(False), **seat}, seeds=FEW_SEEDS)
+            gain = Shape.of(rides, seat).gain
+            more = [f"{damping:.0f}", f"{there.peak_frequency:.2f}", f"{gain.min():.2f} … {gain.max():.2f}"]
+        else:
+            more = ["none"]
+        table.add_row(name, *cells, f"{1 - ideal.rms / PASSIVE_RMS:.1%}", *more)
+    return table
+
+
+def main() -> None:
+    """Fit, predict, print, draw; write on demand."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fmus", type=Path, default=ROOT / "fmus" / "fmi2", help="folder of the three FMUs")
+    parser.add_argument("--figures", type=Path, default=ROOT / "docs" / "figures", help="where the figures go")
+    parser.add_argument("--write", action="store_true", help="write the parameter sets, too")
+    given = parser.parse_args()
+    given.figures.mkdir(parents=True, exist_ok=True)
+    with Rides(given.fmus) as rides:
+        sets = calibrate(rides)
+        if given.write:
+            for name, content in contents(rides.system, sets).items():
+                parameter_sets.path(name).write_bytes(content)
+        light, heavy = (compare(rides, sets, mass) for mass in REDUCTIONS)
+        CONSOLE.print(fitted_table(light, sets))
+        CONSOLE.print(predicted_table(predictions(rides, sets, heavy)))
+        CONSOLE.print(ideal_table(light, heavy))
+        CONSOLE.print(error_table(light, heavy))
+        CONSOLE.print(alternatives_table(rides, sets))
+        CONSOLE.print(survey_classes(rides))
+        draw_figures(rides, sets, light, given.figures)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,106 @@
+"""Figures of the calibration: where other values would fit as well, and what the spectra look like."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from calibration import (
+    BAND,
+    CONTROLLED_RMS,
+    PASSIVE_RMS,
+    SINE_AMPLITUDE,
+    Comparison,
+    Shape,
+    passive_seat,
+    prototype_seat,
+)
+from rides import FEW_SEEDS, FLOOR, Parameters, Rides
+
+from cosim.figures import Curve, Panel, draw
+from cosim.scenarios import control
+
+DAMPINGS = np.array([60.0, 90, 130, 180, 250, 350, 500, 700, 850, 1000, 1200])
+FRICTIONS = (0.0, 0.2, 0.4, 0.6, 0.8)
+LAGS = np.array([0.0, 0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06])
+DELAYS = (0.0, 0.002, 0.008, 0.016)
+SENSORS = (50.0, 10.0)
+STYLES = {
+    "passive": {"color": "C0"},
+    "uncontrolled": {"color": "0.45", "linestyle": "--"},
+    "prototype": {"color": "C3"},
+    "ideal": {"color": "C2", "linestyle": ":"},
+}
+
+
+def draw_figures(rides: Rides, sets: Mapping[str, Parameters], light: Comparison, folder: Path) -> None:
+    """Draw all figures into a folder."""
+    draw_passive(rides, sets["ride"], folder / "calibration_passive.png")
+    draw_prototype(rides, sets["ride"], folder / "calibration_prototype.png")
+    draw_spectra(rides, sets, light, folder / "calibration_spectra.png")
+
+
+def draw_passive(rides: Rides, floor: Parameters, path: Path) -> None:
+    """Show RMS and shape of passive seats over damping and friction."""
+    rows = []
+    for friction in FRICTIONS:
+        for damping in DAMPINGS:
+            seat = passive_seat(rides, damping, friction)
+            shaken = rides.random({**floor, **control(False), **seat}, seeds=FEW_SEEDS)
+            shape = Shape.of(rides, seat)
+            rows.append((shaken.rms, shaken.peak_frequency, shape.gain.min(), shape.resonance))
+    values = np.array(rows).reshape(len(FRICTIONS), len(DAMPINGS), -1)
+    panels = [
+        Panel(label, DAMPINGS, [_of_friction(k, values[k, :, place]) for k in range(len(FRICTIONS))], marks)
+        for place, (label, marks) in enumerate(
+            (
+                ("RMS (m/s²)", {"paper": PASSIVE_RMS}),
+                ("Spectrum's peak (Hz)", {'paper: "around 2 Hz"': 2.0}),
+                ("Better by, 2.5-4.5 Hz", {"uncontrolled seat": 0.0}),
+                ("Worse by, resonance", {"uncontrolled seat": 0.0}),
+            )
+        )
+    ]
+    draw(path, "Passive seat, 55 kg: friction relative to the prototype's", panels, "Damping (N s/m)")
+
+
+def _of_friction(place: int, values: np.ndarray) -> Curve:
+    return Curve(f"friction x {FRICTIONS[place]:g}", values, {"color": f"C{place}"})
+
+
+def draw_prototype(rides: Rides, floor: Parameters, path: Path) -> None:
+    """Show the controlled seat's RMS over lag, delay and bandwidth of the sensors."""
+    panels = []
+    for bandwidth in SENSORS:
+        curves = []
+        for place, delay in enumerate(DELAYS):
+            rms = [
+                rides.random({**floor, **prototype_seat(lag, delay, bandwidth)}, seeds=FEW_SEEDS).rms for lag in LAGS
+            ]
+            curves.append(Curve(f"delay {1e3 * delay:g} ms", np.array(rms), {"color": f"C{place}"}))
+        panels.append(Panel(f"RMS (m/s²)\nsensors {bandwidth:g} Hz", 1e3 * LAGS, curves, {"paper": CONTROLLED_RMS}))
+    draw(path, "Controlled seat, 55 kg: lag, delay and sensors that fit equally well", panels, "Lag (ms)")
+
+
+def draw_spectra(rides: Rides, sets: Mapping[str, Parameters], light: Comparison, path: Path) -> None:
+    """Show spectra as in Fig. 15, transmissibilities as in Fig. 10."""
+    shaken = rides.random({**sets["ride"], **control(False)}, seeds=FEW_SEEDS, signal=FLOOR)
+    shown = shaken.spectrum.frequency <= 6.0
+    frequency = shaken.spectrum.frequency[shown]
+    curves = [Curve("floor", shaken.spectrum.density[shown], {"color": "0.75"})]
+    curves += [Curve(n, found.spectrum.density[shown], STYLES[n]) for n, found in light._asdict().items()]
+    seats = {
+        "passive": {**control(False), **sets["passive"]},
+        "uncontrolled": control(False),
+        "prototype": sets["prototype"],
+    }
+    sines = np.concatenate((np.arange(0.8, 2.5, 0.2), BAND, [5.0, 6.0]))
+    panels = [Panel("PSD ((m/s²)²/Hz)", frequency, curves, {})]
+    for amplitude in (SINE_AMPLITUDE, 2 * SINE_AMPLITUDE):
+        gains = [
+            Curve(name, rides.transmissibility(seat, sines, amplitude), STYLES[name], sines)
+            for name, seat in seats.items()
+        ]
+        panels.append(Panel(f"Transmissibility\nsine of {1e3 * amplitude:g} mm", frequency, gains, {}))
+    draw(path, "Spectra as in Fig. 15, transmissibilities as in Fig. 10, 55 kg", panels, "Frequency (Hz)")
