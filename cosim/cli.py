@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.cli_design import design
 from cosim.cli_evaluate import evaluate
 from cosim.cli_options import parameter_sets, parameters_option, run_options, set_option, settings_of
+from cosim.cli_reproduce import reproduce
 from cosim.cli_rerun import rerun
 from cosim.cli_seat import (
     control_option,
@@ -31,7 +31,7 @@ from cosim.cli_simulate import simulate
 from cosim.console import command_line, conclude, console, progress_shown
 from cosim.errors import CosimError, RunError, SetupError, writing_to
 from cosim.model import Value
-from cosim.results import Result, clear
+from cosim.results import Result
 from cosim.run_folder import run_to_folder
 from cosim.scenarios import SCENARIOS, SYSTEM_FILES, control, driver_mass, seat_suspension
 from cosim.system import System
@@ -48,7 +48,7 @@ def app(debug: bool) -> None:
     Examples:
       seat-cosim build
       seat-cosim run bump --driver-mass 70 --observer 1
-      seat-cosim reproduce bump
+      seat-cosim reproduce
     """
 
 
@@ -113,6 +113,7 @@ def _systems(folder: Path, flavours: Iterable[str], platforms: Iterable[str]) ->
 
 app.add_command(design)
 app.add_command(evaluate)
+app.add_command(reproduce)
 app.add_command(rerun)
 app.add_command(simulate)
 
@@ -220,60 +221,6 @@ def _overview(system: System, result: Result, folder: Path, scenario: str) -> No
         for label, signals in OVERVIEW.items()
     ]
     draw(folder / "overview.png", f"Seat suspension, {scenario}", panels)
-
-
-@app.command()
-@click.argument("what", type=click.Choice(["bump"]), default="bump")
-@mass_option
-@flavour_option
-@fmus_option
-@click.option("--output", type=click.Path(path_type=Path), default=Path("results"), show_default=True, help="Where to.")
-def reproduce(what: str, driver_mass: float | None, flavour: str, fmus_folder: Path, output: Path) -> None:
-    """Reproduce the paper's evaluation, beside its numbers; so far the bump test (Fig. 5-7).
-
-    \b
-    Example:
-      seat-cosim reproduce bump
-    """
-    from cosim import bump
-    from seat_controller_fmu.parameters import OBSERVERS
-
-    system = seat_suspension(fmus_folder / flavour)
-    mass = system.start("seat.driver_mass") if driver_mass is None else driver_mass
-    cases = bump.cases({number: gamma.value for number, gamma in OBSERVERS.items()})
-    system.validate(SCENARIOS[what].stop_time, parameters=_driver(mass))
-    for name in cases:
-        with writing_to(output):
-            clear(output / what / name)
-    results: dict[str, Result] = {}
-    with progress_shown("bump") as report:
-        for name, result in bump.run(
-            system, cases, mass, output / what, lambda name, share: report(f"{name} {share:.0%}"), command_line()
-        ):
-            conclude(result)
-            results[name] = result
-        report("figures")
-        figures = bump.draw_figures(output / what, results, cases, mass)
-    _print_bump(bump, results, cases, system.start("controller.force_limit"), mass)
-    for path in figures:
-        console.print(f"figure {path}")
-    console.print(f"results {output / what}/<case>/result.csv")
-
-
-def _print_bump(bump: Any, results: dict[str, Result], cases: dict[str, Any], force_limit: float, mass: float) -> None:
-    """Print the table of the bump test, the paper's numbers where it gives any."""
-    table = Table(title=f"Bump test, {mass:g} kg driver", title_justify="left", box=SIMPLE)
-    table.add_column("")
-    table.add_column("unit")
-    for case in cases.values():
-        table.add_column(case.title, justify="right")
-    table.add_column("the paper")
-    for measure in bump.measures(force_limit):
-        values = [f"{measure.factor * measure.value(result):.2f}" for result in results.values()]
-        table.add_row(measure.title, measure.unit, *values, measure.paper)
-    console.print(table)
-    for note in bump.NOTES:
-        console.print(f"- {note}", markup=False)
 
 
 def main() -> None:

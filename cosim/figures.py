@@ -148,6 +148,7 @@ def draw(
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
         for target in (path, *copies):
             figure.savefig(target, dpi=dpi or "figure", metadata=_UNDATED[target.suffix])
+            figure.set_layout_engine("none")  # once is enough
         plt.close(figure)
 
 

@@ -25,14 +25,14 @@ _PREFACE = (
     "Every figure and table with numbers of “Disturbance observer based Takagi-Sugeno fuzzy control for an active seat "
     "suspension” (Ning, Sun, Zhang, Du, Li, Zhang), reproduced with components for co-simulation: shaker, seat and "
     "controller are FMUs, run by a master at 500 Hz. Nothing is computed from the models behind their back.",
-    "The paper's figures are not reprinted; its numbers stand beside ours, with one sentence on each difference. Ours are "
-    "of four kinds:",
+    "The paper's figures are not reprinted; its numbers stand beside ours, with one sentence on each difference. Ours "
+    "are of four kinds:",
 )
 _MEANINGS = {
     Kind.GIVEN: "an input, not a result.",
     Kind.SIMULATED: "the paper's own equations and parameters; nothing is fitted.",
-    Kind.FITTED: "what nobody published (passive seat, excitation, the prototype's imperfections) was chosen so that this "
-    "number fits: agreement proves nothing.",
+    Kind.FITTED: "what nobody published (passive seat, excitation, the prototype's imperfections) was chosen so that "
+    "this number fits: agreement proves nothing.",
     Kind.PREDICTED: "of the same choices, where they were not fitted: this is the test.",
 }
 
@@ -54,8 +54,7 @@ def write(folder: Path, findings: Sequence[Finding], report: Callable[[str], Non
     Path
         The page.
     """
-    entries = {entry.key: entry for entry in CONTENTS}
-    items = [(entries[finding.key], finding) for finding in findings]
+    items = _items(findings)
     images = {}
     for entry, finding in items:
         if finding.panels:
@@ -86,17 +85,22 @@ def _page(items: Sequence[tuple[Entry, Finding]], images: dict[str, str]) -> str
         kinds=list(Kind),
         items=items,
         images=images,
-        summary=_summary(items),
+        summary=summary([finding for _, finding in items]),
     )
 
 
-def _summary(items: Sequence[tuple[Entry, Finding]]) -> list[tuple[Kind, list[tuple[Entry, Row]]]]:
+def _items(findings: Sequence[Finding]) -> list[tuple[Entry, Finding]]:
+    entries = {entry.key: entry for entry in CONTENTS}
+    return [(entries[finding.key], finding) for finding in findings]
+
+
+def summary(findings: Sequence[Finding]) -> list[tuple[Kind, list[tuple[Entry, Row]]]]:
     """Sort by kind what the paper gives as a number, and is a result."""
     groups = []
     for kind in (Kind.SIMULATED, Kind.FITTED, Kind.PREDICTED):
         rows = [
             (entry, row)
-            for entry, finding in items
+            for entry, finding in _items(findings)
             for row in finding.rows
             if row.kind is kind and any(letter.isdigit() for letter in row.paper)
         ]

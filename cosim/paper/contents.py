@@ -62,8 +62,8 @@ CONTENTS = [
         "fig10",
         "Fig. 10",
         "Measured transmissibility, 55 kg",
-        "The controlled seat isolates at low frequency, as far as 4.5 Hz. The uncontrolled seat holds the resonance down "
-        "better than the passive one, which is a little better from 2.5 to 4.5 Hz.",
+        "The controlled seat isolates at low frequency, as far as 4.5 Hz. The uncontrolled seat holds the resonance "
+        "down better than the passive one, which is a little better from 2.5 to 4.5 Hz.",
     ),
     Entry(
         "fig11",
@@ -82,7 +82,8 @@ CONTENTS = [
         "Fig. 13",
         "Measured random ride, 55 kg",
         "The uncontrolled seat peaks at about 6 m/s², as friction cannot hold its resonance; the passive seat can, but "
-        "shakes more elsewhere; the controlled seat stays low throughout. (The caption says 50 kg, text and Table 2 say 55.)",
+        "shakes more elsewhere; the controlled seat stays low throughout. (The caption says 50 kg, text and Table 2 say "
+        "55.)",
     ),
     Entry(
         "fig14",
@@ -94,8 +95,8 @@ CONTENTS = [
         "fig15",
         "Fig. 15",
         "Spectra of the random ride, 55 kg",
-        "The passive and the uncontrolled seat have a big peak around 2 Hz and little above; the controlled seat is low "
-        "at all frequencies.",
+        "The passive and the uncontrolled seat have a big peak around 2 Hz and little above; the controlled seat is "
+        "low at all frequencies.",
     ),
     Entry(
         "fig16",

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from cosim.paper.bumps import measured_bumps
 from cosim.paper.contents import CONTENTS
 from cosim.paper.finding import Finding
 from cosim.paper.friction import friction_loops
 from cosim.paper.lab import Lab
-from cosim.paper.ride import measured_bumps, random_ride
+from cosim.paper.ride import random_ride
 from cosim.paper.settings import parameters
 from cosim.paper.simulation import simulated_bump
 from cosim.paper.transmissibility import measured_transmissibility, simulated_transmissibility
@@ -25,23 +26,10 @@ EXPERIMENTS: dict[str, Callable[[Lab], Iterator[Finding]]] = {
 """What is run, by name."""
 
 
-def findings(lab: Lab, report: Callable[[str], None] = lambda text: None) -> list[Finding]:
-    """Make them all.
-
-    Parameters
-    ----------
-    lab
-        Where to.
-    report
-        Called with what is being run.
-
-    Returns
-    -------
-    list of Finding
-        One for each entry of :data:`cosim.paper.contents.CONTENTS`, in that order.
-    """
+def findings(lab: Lab) -> list[Finding]:
+    """Make them all: one for each entry of :data:`cosim.paper.contents.CONTENTS`, in that order."""
     found: dict[str, Finding] = {}
-    for number, (name, experiment) in enumerate(EXPERIMENTS.items(), 1):
-        report(f"{number} of {len(EXPERIMENTS)}, {name}")
+    for name, experiment in EXPERIMENTS.items():
+        lab.progress(name)
         found |= {finding.key: finding for finding in experiment(lab)}
     return [found[entry.key] for entry in CONTENTS]

@@ -45,7 +45,7 @@ class Row:
     kind
         Of ours.
     remark
-        One sentence on the difference.
+        One sentence on the difference, or on what there is none from; empty where there is nothing to say.
     digits
         Of ours, behind the point.
     """
@@ -60,8 +60,9 @@ class Row:
 
     @property
     def ours(self) -> str:
-        """The values as text."""
-        return " to ".join(f"{value:.{self.digits}f}" for value in self.values).replace("-", "−")
+        """The values as text; changes in % with their sign."""
+        sign = "+" if self.unit == "%" else "-"
+        return " to ".join(f"{value:{sign}.{self.digits}f}" for value in self.values).replace("-", "−")
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -67,6 +67,8 @@ class Lab:
         Gamma of Observers 1 and 2, in s/kg2.
     settings
         All other symbols of Table 1, to their values in SI units.
+    progress
+        Called with what is being run.
     warnings
         What the FMUs warned of, each once.
     """
@@ -76,9 +78,16 @@ class Lab:
     calibration: Calibration
     gammas: Mapping[int, float]
     settings: Mapping[str, float]
+    progress: Callable[[str], None] = lambda text: None
     warnings: dict[str, None] = field(default_factory=dict)
 
-    def run(self, stop_time: float, *parameters: Mapping[str, Value], mass: float = LIGHT) -> Result:
+    def run(
+        self,
+        stop_time: float,
+        *parameters: Mapping[str, Value],
+        mass: float = LIGHT,
+        record: Sequence[str] | None = None,
+    ) -> Result:
         """Run the system; later parameters win.
 
         Parameters
@@ -89,6 +98,8 @@ class Lab:
             ``component.variable`` to value.
         mass
             The driver's, in kg.
+        record
+            Outputs to record; all where None.
 
         Raises
         ------
@@ -98,7 +109,7 @@ class Lab:
         merged = driver_mass(mass)
         for some in parameters:
             merged |= some
-        result = self.session.run(round(stop_time / STEP) * STEP, STEP, merged)
+        result = self.session.run(round(stop_time / STEP) * STEP, STEP, merged, record)
         self.warnings.update(dict.fromkeys(result.warnings))
         if result.error is not None:
             raise result.error

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from cosim.paper.finding import Finding, Kind, Row
 from cosim.paper.lab import Lab
 
-_SAME = "The same."
+_SAME = ""
+"""No remark."""
 _PRINTED = [
     ("Driver mass m_b", "kg", 55.0, "seat.driver_mass", 0, _SAME),
     ("Seat mass m_s", "kg", 28.0, "seat.seat_mass", 0, _SAME),
@@ -22,8 +23,8 @@ _PRINTED = [
         120.0,
         "controller.driver_mass_max",
         0,
-        "A misprint: the published observer gains, -3086 = 1/(108 · -3e-6) and -9259 = 1/(108 · -1e-6), and both rows of "
-        "K, follow from 108 kg in all, a driver of 80 kg.",
+        "A misprint: the published observer gains, -3086 = 1/(108 · -3e-6) and -9259 = 1/(108 · -1e-6), and both rows "
+        "of K, follow from 108 kg in all, a driver of 80 kg.",
     ),
     ("alpha", "1", 0.02, "alpha", 2, _SAME),
     ("P_2", "1", 400.0, "P_2", 0, _SAME),
@@ -33,8 +34,8 @@ _PRINTED = [
         1.2,
         "lambda",
         1,
-        "The same, but hardly a constraint: it bounds alpha times the ratio of the seat's acceleration to the floor's, so "
-        "it allows an amplification of 60; the published gains are certified down to 0.023.",
+        "The same, but hardly a constraint: it bounds alpha times the ratio of the seat's acceleration to the "
+        "floor's, so it allows an amplification of 60; the published gains are certified down to 0.023.",
     ),
     ("Gamma of Observer 1", "1e-6 s/kg²", -3.0, "Gamma_1", 0, _SAME),
     ("Gamma of Observer 2", "1e-6 s/kg²", -1.0, "Gamma_2", 0, _SAME),
