@@ -21,7 +21,7 @@ _REMARKS = {
 }
 
 
-def measured_bumps(lab: Lab) -> Iterator[Finding]:
+def rig_bumps(lab: Lab) -> Iterator[Finding]:
     """Meet the bump with either load."""
     bump, seats = SCENARIOS["bump"], lab.seats()
     for mass, key in _KEYS.items():

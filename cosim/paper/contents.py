@@ -61,34 +61,34 @@ CONTENTS = [
     Entry(
         "fig10",
         "Fig. 10",
-        "Measured transmissibility, 55 kg",
+        "Transmissibility on the rig, 55 kg",
         "The controlled seat isolates at low frequency, as far as 4.5 Hz. The uncontrolled seat holds the resonance "
         "down better than the passive one, which is a little better from 2.5 to 4.5 Hz.",
     ),
     Entry(
         "fig11",
         "Fig. 11",
-        "Measured bump, 55 kg",
+        "Bump on the rig, 55 kg",
         "The peak falls from 2.02 m/s² (passive) to 1.32 m/s² (controlled).",
     ),
     Entry(
         "fig12",
         "Fig. 12",
-        "Measured bump, 70 kg",
+        "Bump on the rig, 70 kg",
         "The peak falls from 2.33 m/s² (passive) to 1.03 m/s² (controlled).",
     ),
     Entry(
         "fig13",
         "Fig. 13",
-        "Measured random ride, 55 kg",
+        "Random ride on the rig, 55 kg",
         "The uncontrolled seat peaks at about 6 m/s², as friction cannot hold its resonance; the passive seat can, but "
-        "shakes more elsewhere; the controlled seat stays low throughout. (The caption says 50 kg, text and Table 2 say "
-        "55.)",
+        "shakes more elsewhere; the controlled seat stays low throughout. (The caption says 50 kg, text and Table 2 "
+        "say 55.)",
     ),
     Entry(
         "fig14",
         "Fig. 14",
-        "Measured random ride, 70 kg",
+        "Random ride on the rig, 70 kg",
         "As Fig. 13, with the heavier driver.",
     ),
     Entry(

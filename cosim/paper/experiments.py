@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from cosim.paper.bumps import measured_bumps
+from cosim.paper.bumps import rig_bumps
 from cosim.paper.contents import CONTENTS
 from cosim.paper.finding import Finding
 from cosim.paper.friction import friction_loops
 from cosim.paper.lab import Lab
-from cosim.paper.ride import random_ride
+from cosim.paper.ride import rig_rides
 from cosim.paper.settings import parameters
 from cosim.paper.simulation import simulated_bump
-from cosim.paper.transmissibility import measured_transmissibility, simulated_transmissibility
+from cosim.paper.transmissibility import rig_transmissibility, simulated_transmissibility
 
 EXPERIMENTS: dict[str, Callable[[Lab], Iterator[Finding]]] = {
     "parameters": parameters,
     "simulated bump": simulated_bump,
     "simulated transmissibility": simulated_transmissibility,
-    "measured transmissibility": measured_transmissibility,
-    "measured bumps": measured_bumps,
-    "random ride": random_ride,
+    "transmissibility on the rig": rig_transmissibility,
+    "bumps on the rig": rig_bumps,
+    "random rides": rig_rides,
     "friction": friction_loops,
 }
 """What is run, by name."""

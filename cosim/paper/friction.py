@@ -71,11 +71,11 @@ def _loops(loops: Mapping[float, Result], plateau: float) -> Finding:
         Row(
             f"Deflection reached, {amplitude * 1e3:g} mm",
             "mm",
-            f"{amplitude * 1e3:g}",
+            f"{amplitude * 1e3:.2f}",
             (1e3 * peak(result[DEFLECTION]),),
             Kind.GIVEN,
             "",
-            3,
+            2,
         )
         for amplitude, result in loops.items()
     ]

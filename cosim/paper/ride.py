@@ -63,7 +63,7 @@ def _ride(lab: Lab, name: str, parameters: Mapping[str, Value], mass: float) -> 
     )
 
 
-def random_ride(lab: Lab) -> Iterator[Finding]:
+def rig_rides(lab: Lab) -> Iterator[Finding]:
     """Make Fig. 13 to 16 and Table 2, of the same rides."""
     seats = {**lab.seats(), "ideal": lab.ideal()["controlled"]}
     levels = {}
@@ -127,7 +127,7 @@ def _spectra(lab: Lab, key: str, mass: float, rides: Mapping[str, _Ride]) -> Fin
     seats = lab.seats()
     highest = {name: int(ride.density.argmax()) for name, ride in rides.items()}
     remarks = {
-        "passive": "Close: damper and spring let the excitation's own peak at 2.25 Hz through.",
+        "passive": "The heavily damped seat lets the excitation's own peak at 2.25 Hz through.",
         "uncontrolled": "With 4600 N/m the seat resonates at 1.2 Hz (55 kg) or 1.1 Hz (70 kg), so no excitation with "
         "these RMS values puts its peak at 2 Hz.",
     }
