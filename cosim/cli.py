@@ -14,47 +14,28 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.cli_design import design
+from cosim.cli_evaluate import evaluate
 from cosim.cli_options import parameter_sets, parameters_option, run_options, set_option, settings_of
 from cosim.cli_rerun import rerun
+from cosim.cli_seat import (
+    control_option,
+    flavour_option,
+    fmus_option,
+    gains_of,
+    gains_option,
+    mass_option,
+    observer_of,
+    observer_option,
+)
 from cosim.cli_simulate import simulate
 from cosim.console import command_line, conclude, console, progress_shown
 from cosim.errors import CosimError, RunError, SetupError, writing_to
 from cosim.model import Value
 from cosim.results import Result, clear
 from cosim.run_folder import run_to_folder
-from cosim.scenarios import SCENARIOS, SYSTEM_FILES, control, driver_mass, observer, seat_suspension
+from cosim.scenarios import SCENARIOS, SYSTEM_FILES, control, driver_mass, seat_suspension
 from cosim.system import System
 from fmus import FLAVOURS
-
-_fmus_option = click.option(
-    "--fmus",
-    "fmus_folder",
-    type=click.Path(path_type=Path),
-    default=Path("fmus"),
-    show_default=True,
-    help="Folder of the built FMUs; each flavour has its subfolder.",
-)
-_flavour_option = click.option(
-    "--flavour", type=click.Choice(FLAVOURS), default=FLAVOURS[0], show_default=True, help="Which FMUs to use."
-)
-_mass_option = click.option(
-    "--driver-mass", type=float, metavar="KG", help="The driver's mass, for seat and controller alike [default: 55]."
-)
-
-
-def _observer(number: int) -> dict[str, Value]:
-    from seat_controller_fmu.parameters import OBSERVERS
-
-    return observer(OBSERVERS[number].value)
-
-
-def _gains(name_or_file: str) -> dict[str, Value]:
-    from seat_controller_fmu.gains import GainsError, load
-
-    try:
-        return {f"controller.{name}": value for name, value in load(name_or_file).parameters().items()}
-    except GainsError as error:
-        raise SetupError(str(error)) from error
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -131,6 +112,7 @@ def _systems(folder: Path, flavours: Iterable[str], platforms: Iterable[str]) ->
 
 
 app.add_command(design)
+app.add_command(evaluate)
 app.add_command(rerun)
 app.add_command(simulate)
 
@@ -156,21 +138,16 @@ def fmus(folder: Path) -> None:
 
 @app.command()
 @click.argument("scenario", type=click.Choice(list(SCENARIOS)))
-@_mass_option
-@click.option("--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json.")
-@click.option("--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1].")
-@click.option(
-    "--control",
-    "switch",
-    type=click.Choice(["on", "off", "passive"]),
-    help="Controller on or off; passive: off, in the well-tuned passive seat [default: on].",
-)
+@mass_option
+@gains_option
+@observer_option
+@control_option
 @parameters_option
 @set_option
 @click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
-@_flavour_option
-@_fmus_option
+@flavour_option
+@fmus_option
 @run_options
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
 def run(
@@ -206,8 +183,8 @@ def run(
     system = seat_suspension(fmus_folder / flavour)
     parameters = dict(chosen.parameters)
     parameters |= parameter_sets(parameter_files, system)
-    parameters |= _gains(gains) if gains else {}
-    parameters |= _observer(int(number)) if number else {}
+    parameters |= gains_of(gains) if gains else {}
+    parameters |= observer_of(int(number)) if number else {}
     parameters |= control(switch == "on") if switch else {}
     parameters |= parameter_sets(["passive"], system) if switch == "passive" else {}
     parameters |= _driver(driver_mass)
@@ -247,9 +224,9 @@ def _overview(system: System, result: Result, folder: Path, scenario: str) -> No
 
 @app.command()
 @click.argument("what", type=click.Choice(["bump"]), default="bump")
-@_mass_option
-@_flavour_option
-@_fmus_option
+@mass_option
+@flavour_option
+@fmus_option
 @click.option("--output", type=click.Path(path_type=Path), default=Path("results"), show_default=True, help="Where to.")
 def reproduce(what: str, driver_mass: float | None, flavour: str, fmus_folder: Path, output: Path) -> None:
     """Reproduce the paper's evaluation, beside its numbers; so far the bump test (Fig. 5-7).

@@ -6,11 +6,12 @@ With :mod:`cosim.bump` the only module of this package that knows signal names o
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cosim.errors import SetupError
 from cosim.model import Value
+from cosim.subject import Ports, Subject
 from cosim.system import System
 
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
@@ -108,3 +109,38 @@ def observer(gamma: float) -> dict[str, Value]:
 def control(on: bool) -> dict[str, Value]:
     """Switch the controller on or off."""
     return {"controller.enabled": on}
+
+
+def ports(shaker: str = "shaker") -> Ports:
+    """Name what an evaluation takes of the seat suspension.
+
+    Parameters
+    ----------
+    shaker
+        What the component is called that is our Shaker.
+    """
+    return Ports(
+        floor=f"{shaker}.floor_acceleration",
+        seat="seat.driver_acceleration",
+        driver_mass=tuple(driver_mass(0.0)),
+        excitation={f"{shaker}.profile": "random"},
+        excitation_class=f"{shaker}.random.class",
+        seed=f"{shaker}.random.seed",
+        deflection="seat.suspension_deflection",
+        force="controller.force",
+        travel="seat.end_stop.travel",
+    )
+
+
+def passive_seat(system: System, parameters: Mapping[str, Value]) -> Subject:
+    """Take a passive seat to an evaluation.
+
+    Parameters
+    ----------
+    system
+        From :func:`seat_suspension`.
+    parameters
+        What makes it a passive one, beside its controller being off.
+    """
+    system.parameters |= {**control(False), **parameters}
+    return Subject("passive seat", system, replace(ports(), force=None))

@@ -145,7 +145,7 @@ class Shell:
         self.fmus = fmus
 
     def __call__(self, *words: str, fmus: bool = True) -> tuple[int, str, str]:
-        where = ["--fmus", str(self.fmus)] if fmus and words[:1] in (("run",), ("reproduce",)) else []
+        where = ["--fmus", str(self.fmus)] if fmus and words[:1] in (("run",), ("reproduce",), ("evaluate",)) else []
         self.monkeypatch.setattr(sys, "argv", ["seat-cosim", *words, *where])
         with pytest.raises(SystemExit) as end:
             cli.main()

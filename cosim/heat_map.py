@@ -1,0 +1,59 @@
+"""Heat maps: numbers over two lists of names, coloured by whether they lie below or above 1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.patches import Rectangle
+
+_STYLE: Any = {"figure.dpi": 150, "font.size": 9, "svg.hashsalt": "seat-cosim", "svg.fonttype": "none"}
+
+
+@dataclass(frozen=True)
+class HeatMap:
+    """One map; ``values`` has a row for each of ``rows``, a frame is drawn where ``framed`` is true."""
+
+    title: str
+    rows: Sequence[str]
+    columns: Sequence[str]
+    values: np.ndarray[Any, Any]
+    framed: np.ndarray[Any, Any]
+
+
+def draw_heat_maps(paths: Iterable[Path], maps: Sequence[HeatMap]) -> None:
+    """Draw maps below each other; the same maps give the same bytes.
+
+    Parameters
+    ----------
+    paths
+        Where to, by suffix ``.png`` or ``.svg``; the folders exist.
+    maps
+        From top to bottom.
+    """
+    height = sum(0.8 + 0.28 * len(each.rows) for each in maps)
+    with plt.rc_context(_STYLE):
+        figure, axes = plt.subplots(len(maps), 1, squeeze=False, figsize=(6.4, height), layout="constrained")
+        for axis, each in zip(axes[:, 0], maps, strict=True):
+            axis.imshow(each.values, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="auto", alpha=0.6)
+            axis.set_xticks(range(len(each.columns)), each.columns)
+            axis.set_yticks(range(len(each.rows)), each.rows)
+            axis.tick_params(length=0)
+            axis.spines[:].set_visible(False)
+            axis.set_title(each.title, loc="left", fontsize=9)
+            for (i, j), value in np.ndenumerate(each.values):
+                axis.text(j, i, f"{value:.2f}", ha="center", va="center")
+                if each.framed[i, j]:
+                    axis.add_patch(Rectangle((j - 0.46, i - 0.44), 0.92, 0.88, fill=False, lw=1.5))
+        for path in paths:
+            none = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}[path.suffix]
+            figure.savefig(path, metadata=none)
+        plt.close(figure)

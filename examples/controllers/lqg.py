@@ -1,0 +1,65 @@
+"""An LQG controller with the ports of SeatController: a Kalman filter and a linear-quadratic regulator."""
+
+import math
+
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+GAINS = {
+    "K_deflection": 0.8608,  # 1/s2: the regulator
+    "K_rate": 1.312,  # 1/s
+    "L_deflection_m": 0.7342,  # the filter: what is added to deflection, rate and rest per sample and
+    "L_rate_m": 226.5,  # m that the measured deflection differs from the expected one,
+    "L_rest_m": 0.008251,
+    "L_deflection_a": 2.063e-7,  # m/s2 that the measured acceleration differs from the expected one
+    "L_rate_a": 2.215e-4,
+    "L_rest_a": 0.1052,
+}
+"""Computed with scipy by studies/tune_baselines.py, which says from what; not at run time."""
+
+
+class Lqg(Fmi2Slave):
+    """The seat as one mass M on a linear spring k: friction is not modelled.
+
+    Deflection x and its rate v follow x' = v, v' = (u - k x)/M + e - (acceleration of the floor). To the filter the
+    floor is white noise and the rest e, all that the model leaves out, noise that decays. The force takes the spring's
+    and the rest's share away and asks for an acceleration: u = k x - M (e + K_deflection x + K_rate v). An offset of
+    the accelerometer ends in e: it moves the seat by offset / K_deflection, no further.
+    """
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.seat_acceleration = 0.0
+        self.suspension_deflection = 0.0
+        self.force = 0.0
+        self.driver_mass = 55.0  # kg
+        self.force_limit = 250.0  # N
+        self.suspension_stiffness = 4600.0  # N/m
+        self.corner = 0.05  # Hz, from where on e decays
+        vars(self).update(GAINS)
+        self.x = self.v = self.e = 0.0  # expected at the next sample
+        self.samples = 0
+        for name in ("seat_acceleration", "suspension_deflection"):
+            self.register_variable(Real(name, causality=Fmi2Causality.input))
+        for name in ("driver_mass", "force_limit", "suspension_stiffness", "corner", *GAINS):
+            self.register_variable(Real(name, causality=Fmi2Causality.parameter, variability=Fmi2Variability.tunable))
+        self.register_variable(Real("force", causality=Fmi2Causality.output, variability=Fmi2Variability.discrete))
+
+    def do_step(self, current_time, step_size):
+        while self.samples * 0.002 < current_time + step_size - 1e-9:  # every sample due in [t, t + H)
+            self.samples += 1
+            self.sample(0.002)
+        return True
+
+    def sample(self, h):
+        mass, stiffness = self.driver_mass + 28.0, self.suspension_stiffness
+        deflection = self.suspension_deflection - self.x
+        rest = self.seat_acceleration - (self.force - stiffness * self.suspension_deflection) / mass
+        surprise = rest - self.e
+        x = self.x + self.L_deflection_m * deflection + self.L_deflection_a * surprise
+        v = self.v + self.L_rate_m * deflection + self.L_rate_a * surprise
+        e = self.e + self.L_rest_m * deflection + self.L_rest_a * surprise
+        force = stiffness * x - mass * (e + self.K_deflection * x + self.K_rate * v)
+        self.force = min(max(force, -self.force_limit), self.force_limit)
+        acceleration = (self.force - stiffness * x) / mass + e
+        self.x, self.v = x + h * v + 0.5 * h * h * acceleration, v + h * acceleration
+        self.e = e * math.exp(-2.0 * math.pi * self.corner * h)
