@@ -15,7 +15,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Rectangle
 
-_STYLE: Any = {"figure.dpi": 150, "font.size": 9, "svg.hashsalt": "seat-cosim", "svg.fonttype": "none"}
+_STYLE: Any = {"figure.dpi": 120, "font.size": 9, "svg.hashsalt": "seat-cosim", "svg.fonttype": "none"}
+_WIDEST = 2.0
+"""Where the colours end; white is 1."""
+_STRENGTH = 0.6
+"""Of the colours, so that letters are read on all of them."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,8 @@ def draw_heat_maps(paths: Iterable[Path], maps: Sequence[HeatMap]) -> None:
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(len(maps), 1, squeeze=False, figsize=(6.4, height), layout="constrained")
         for axis, each in zip(axes[:, 0], maps, strict=True):
-            axis.imshow(each.values, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="auto", alpha=0.6)
+            colours = mpl.colormaps["RdBu_r"](each.values / _WIDEST)
+            axis.imshow(1.0 - _STRENGTH * (1.0 - colours[..., :3]), aspect="auto", interpolation="nearest")
             axis.set_xticks(range(len(each.columns)), each.columns)
             axis.set_yticks(range(len(each.rows)), each.rows)
             axis.tick_params(length=0)
@@ -55,5 +60,5 @@ def draw_heat_maps(paths: Iterable[Path], maps: Sequence[HeatMap]) -> None:
                     axis.add_patch(Rectangle((j - 0.46, i - 0.44), 0.92, 0.88, fill=False, lw=1.5))
         for path in paths:
             none = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}[path.suffix]
-            figure.savefig(path, metadata=none)
+            figure.savefig(path, metadata=none, **({"pil_kwargs": {"optimize": True}} if path.suffix == ".png" else {}))
         plt.close(figure)
