@@ -60,5 +60,5 @@ def draw_heat_maps(paths: Iterable[Path], maps: Sequence[HeatMap]) -> None:
                     axis.add_patch(Rectangle((j - 0.46, i - 0.44), 0.92, 0.88, fill=False, lw=1.5))
         for path in paths:
             none = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}[path.suffix]
-            figure.savefig(path, metadata=none, **({"pil_kwargs": {"optimize": True}} if path.suffix == ".png" else {}))
+            figure.savefig(path, metadata=none)
         plt.close(figure)
