@@ -12,11 +12,11 @@ run: $(VENV)/installed
 
 test: $(VENV)/installed-test
 	$(BIN)/seat-cosim build
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not long"
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile -m "not long"
 
 test-all: $(VENV)/installed-test
 	$(BIN)/seat-cosim build
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
 
 # A wheel that carries the native FMUs and the master's loop in C for all platforms: `seat-cosim fmus --export DIR` takes them out again.
 wheel: $(VENV)/installed

@@ -11,6 +11,7 @@ import click
 
 from cosim.errors import SetupError
 from cosim.formats import FORMATS
+from cosim.isolated import TIME_LIMIT
 from cosim.model import Value
 from cosim.ssp import read_parameters
 from cosim.structure import Structure
@@ -27,7 +28,14 @@ _RUN_OPTIONS = (
     click.option(
         "--isolate", multiple=True, metavar="COMPONENT", help="Run its FMU in a process of its own; repeatable."
     ),
-    click.option("--time-limit", type=float, metavar="S", help="For each call of an isolated FMU [default: 10]."),
+    click.option(
+        "--time-limit",
+        type=float,
+        default=TIME_LIMIT,
+        show_default=True,
+        metavar="S",
+        help="For each call of an isolated FMU.",
+    ),
 )
 
 set_option = click.option(

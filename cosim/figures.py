@@ -76,7 +76,15 @@ def by_unit(
     ]
 
 
-def draw(path: Path, title: str, panels: Sequence[Panel], x_label: str = "Time (s)", *, log: bool = False) -> None:
+def draw(
+    path: Path,
+    title: str,
+    panels: Sequence[Panel],
+    x_label: str = "Time (s)",
+    *,
+    log: bool = False,
+    dpi: float | None = None,
+) -> None:
     """Draw panels over one axis into a PNG.
 
     Parameters
@@ -91,6 +99,8 @@ def draw(path: Path, title: str, panels: Sequence[Panel], x_label: str = "Time (
         Of the common axis.
     log
         Whether both axes are logarithmic.
+    dpi
+        Pixels an inch where not the usual ones.
     """
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(
@@ -112,5 +122,5 @@ def draw(path: Path, title: str, panels: Sequence[Panel], x_label: str = "Time (
                 axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.0)
         axes[-1, 0].set_xlabel(x_label)
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
-        figure.savefig(path, metadata={"Software": None})
+        figure.savefig(path, dpi=dpi or "figure", metadata={"Software": None})
         plt.close(figure)

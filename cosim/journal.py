@@ -28,8 +28,10 @@ class Journal:
         What is called now and at which time, in s; kept up to date by those who call.
     elsewhere
         Tells both while calls are made by others than Python; None otherwise.
+    entries
+        The messages.
     length
-        How many messages came since the instance was made.
+        How many came since the instance was made.
     """
 
     def __init__(self) -> None:
@@ -37,13 +39,13 @@ class Journal:
         self.time = 0.0
         self.elsewhere: Callable[[], tuple[str, float]] | None = None
         self.length = 0
-        self._entries: deque[Entry] = deque(maxlen=1000)
+        self.entries: deque[Entry] = deque(maxlen=1000)
         self._told: set[str] = set()
 
     def clear(self) -> None:
         """Begin a run."""
-        if self._entries:
-            self._entries.clear()
+        if self.entries:
+            self.entries.clear()
             self._told.clear()
 
     def add(self, status: int, text: str) -> None:
@@ -55,7 +57,7 @@ class Journal:
         if call in self._told:
             return
         self._told.add(call)
-        if not any(e.status == WARNING and (e.call, e.time) == (call, time) for e in self._entries):
+        if not any(e.status == WARNING and (e.call, e.time) == (call, time) for e in self.entries):
             self._add(WARNING, f"{call} returned a warning", call, time)
 
     def printed(self, call: str, time: float, text: str) -> None:
@@ -66,18 +68,18 @@ class Journal:
             self._add(WARNING, f"{said} at t = {time:g} s: {text}", "", time)
 
     def _add(self, status: int, text: str, call: str, time: float) -> None:
-        self._entries.append(Entry(status, text, call, time))
+        self.entries.append(Entry(status, text, call, time))
         self.length += 1
 
     @property
     def complaint(self) -> str:
         """The newest message that tells of more than a warning; empty if there is none."""
-        return next((entry.text for entry in reversed(self._entries) if entry.status > WARNING), "")
+        return next((entry.text for entry in reversed(self.entries) if entry.status > WARNING), "")
 
     @property
     def warnings(self) -> list[str]:
         """What was warned of, each text once, with the call and the time of the first."""
         found: dict[str, str] = {}
-        for _, text, call, time in (entry for entry in self._entries if entry.status == WARNING):
+        for _, text, call, time in (entry for entry in self.entries if entry.status == WARNING):
             found.setdefault(text, f"{text} ({call}, t = {time:g} s)" if call else text)
         return list(found.values())

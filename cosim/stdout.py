@@ -99,7 +99,7 @@ class Diversion:
     def take(self) -> str:
         """Return what was printed since the last time, and forget it."""
         size = os.lseek(self._number, 0, os.SEEK_CUR)  # the descriptors share their position; far cheaper than fstat
-        if not size:
+        if not size:  # nearly always, and often asked
             return ""
         os.lseek(self._number, 0, os.SEEK_SET)
         found = os.read(self._number, size)
@@ -119,6 +119,9 @@ def printed() -> str:
     if not _diversions:
         return ""
     _libc.fflush(_STREAM)
-    lines = _diversions[-1].take().strip().splitlines()
+    text = _diversions[-1].take()
+    if not text:
+        return ""
+    lines = text.strip().splitlines()
     more = f" (and {len(lines) - 1} more line{'s' if len(lines) > 2 else ''})" if len(lines) > 1 else ""
     return lines[0] + more if lines else ""

@@ -126,6 +126,17 @@ def fit_lag(
     )
 
 
+def fit_height(rides: Rides, passive: Parameters) -> float | None:
+    """Find the height of a bump (34), in m, at which the passive seat has its peak at 55 kg: not a parameter set's."""
+    return solve(
+        lambda height: rides.bump({**control(False), **passive, "shaker.bump.height": height}, 55.0)[0],
+        BUMP_PEAKS[55.0][0],
+        0.02,
+        0.1,
+        4,
+    )
+
+
 def calibrate(rides: Rides) -> dict[str, dict[str, Value]]:
     """Fit all three; returns name to parameter set."""
     floor = ride(insisted(fit_scale(rides)))

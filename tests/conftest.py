@@ -112,7 +112,7 @@ class Driven:
 
     @property
     def said(self) -> str:
-        return self._instance.journal[-1][1]
+        return self._instance.journal.entries[-1].text
 
 
 @pytest.fixture(params=[*NATIVE, "python"])

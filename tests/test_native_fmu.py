@@ -277,9 +277,10 @@ def test_the_seat_alone_is_accurate_at_any_communication_step(native: Path, mass
 @pytest.mark.parametrize("flavour", NATIVE)
 def test_a_driver_outside_the_range_is_warned_of_once(native: Path, flavour: str):
     result = seat_suspension(native / flavour).simulate(0.02, H, {"controller.driver_mass": 120.0})
+    call = {"fmi2": "fmi2GetReal", "fmi3": "fmi3GetFloat64"}[flavour]  # where outputs are computed
     assert result.warnings == [
         "controller: driver_mass lies outside [driver_mass_min, driver_mass_max]: the gains of the nearer end are used"
-        "; got driver_mass = 120 kg, driver_mass_min = 45 kg, driver_mass_max = 80 kg (initial exchange, t = 0 s)"
+        f"; got driver_mass = 120 kg, driver_mass_min = 45 kg, driver_mass_max = 80 kg ({call}, t = 0 s)"
     ]
 
 
@@ -308,7 +309,9 @@ def test_a_tuned_mass_takes_effect_at_the_next_sample(native: Path, flavour: str
             forces.append(get([model.variables["force"].valueReference])[0])
             with pytest.raises(FMICallException):
                 instance._set({"observer_gamma": -1e-6})
-            assert "observer_gamma: a fixed parameter may not be set while stepping" in instance.journal[-1][1]
+            assert (
+                "observer_gamma: a fixed parameter may not be set while stepping" in instance.journal.entries[-1].text
+            )
         finally:
             instance.free()
     assert forces[0] == forces[1] != 0.0

@@ -49,7 +49,7 @@ class Host:
 
     @property
     def messages(self) -> list[str]:
-        return [text for _, text in self.instance.journal]
+        return [entry.text for entry in self.instance.journal.entries]
 
 
 @contextmanager
