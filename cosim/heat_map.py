@@ -15,7 +15,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Rectangle
 
-_STYLE: Any = {"figure.dpi": 150, "font.size": 9, "svg.hashsalt": "seat-cosim", "svg.fonttype": "none"}
+_STYLE: Any = {"figure.dpi": 120, "font.size": 9, "svg.hashsalt": "seat-cosim", "svg.fonttype": "none"}
+_WIDEST = 2.0
+"""Where the colours end; white is 1."""
+_STRENGTH = 0.6
+"""Of the colours, so that letters are read on all of them."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,8 @@ def draw_heat_maps(paths: Iterable[Path], maps: Sequence[HeatMap]) -> None:
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(len(maps), 1, squeeze=False, figsize=(6.4, height), layout="constrained")
         for axis, each in zip(axes[:, 0], maps, strict=True):
-            axis.imshow(each.values, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="auto", alpha=0.6)
+            colours = mpl.colormaps["RdBu_r"](each.values / _WIDEST)
+            axis.imshow(1.0 - _STRENGTH * (1.0 - colours[..., :3]), aspect="auto", interpolation="nearest")
             axis.set_xticks(range(len(each.columns)), each.columns)
             axis.set_yticks(range(len(each.rows)), each.rows)
             axis.tick_params(length=0)

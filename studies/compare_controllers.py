@@ -18,7 +18,7 @@ import numpy as np
 from tune_baselines import BASELINES, DELAY, ROOT, build
 
 from cosim.cli_options import parameter_sets
-from cosim.evaluation import Cell, Evaluation, Protocol, evaluate
+from cosim.evaluation import Cell, Evaluation, Protocol, evaluate, measure
 from cosim.heat_map import HeatMap, draw_heat_maps
 from cosim.model import Value
 from cosim.scenarios import control, observer, passive_seat, ports, seat_suspension
@@ -27,6 +27,8 @@ from seat_controller_fmu.gains import load
 from seat_controller_fmu.parameters import OBSERVERS
 
 MASS, CLASS = 80.0, "EM3"
+DELAYS = (0.0, 0.005, 0.010, 0.015, 0.020, 0.030, 0.040)
+"""s"""
 
 
 def subjects(folder: Path) -> list[Subject]:
@@ -89,6 +91,7 @@ def main() -> None:
         build(Path(built))
         seats = subjects(Path(built))
         found = evaluate(seats, replace(protocol, masses=(MASS,)), processes, progress)
+        by_delay = {seat.title: with_delay(seat) for seat in seats}
         delayed = evaluate([late(seat) for seat in seats], replace(protocol, classes=(CLASS,)), processes, progress)
     names = [seat.title for seat in seats]
     of_class = np.array([[each.cells[kind, MASS].seat for kind in protocol.classes] for each in found])
@@ -96,20 +99,28 @@ def main() -> None:
     masses = [f"{mass:g} kg" for mass in protocol.masses]
     table(protocol.classes, dict(zip(names, _written(of_class), strict=True)))
     table(masses, dict(zip(names, _written(of_mass), strict=True)))
+    table([f"{1e3 * delay:g} ms" for delay in DELAYS], by_delay)
     heads = ["SEAT", "SEAT by VDV", "a_w, m/s²", "MTVV, m/s²", "deflection, mm", "force RMS, N", "power, W"]
     table(heads, {each.subject.title: details(each.cells[CLASS, MASS]) for each in found})
     loose = [f"{each.subject.title} {key}" for each in found + delayed for key in _loose(each)]
     print(f"\nruns more than 5 % from their mean: {', '.join(loose) or 'none'}")
-    above = np.zeros_like
-    draw_heat_maps(
-        [folder / "controllers.png"],
-        [
-            HeatMap(f"SEAT at {MASS:g} kg", names, protocol.classes, of_class, above(of_class, dtype=bool)),
-            HeatMap(
-                f"SEAT on {CLASS}, actuator {1e3 * DELAY:g} ms late", names, masses, of_mass, above(of_mass, dtype=bool)
-            ),
-        ],
-    )
+    delay = f"SEAT on {CLASS}, actuator {1e3 * DELAY:g} ms late"
+    maps = [
+        HeatMap(f"SEAT at {MASS:g} kg", names, protocol.classes, of_class, np.zeros_like(of_class, dtype=bool)),
+        HeatMap(delay, names, masses, of_mass, np.zeros_like(of_mass, dtype=bool)),
+    ]
+    draw_heat_maps([folder / "controllers.svg"], maps)
+
+
+def with_delay(subject: Subject) -> list[str]:
+    """Write the SEAT of a driver of 80 kg on EM3 over delays of the actuator: one run of a minute each."""
+    found = []
+    with subject.system.open() as session:
+        for delay in DELAYS:
+            ride = {**subject.ports.parameters(CLASS, MASS, 1), "seat.actuator.delay": delay}
+            result = session.run(70.0, parameters=ride, record=list(subject.ports.signals))
+            found.append(f"{measure(subject, result, 500.0, 10.0).seat_rms:.2f}")
+    return found
 
 
 def _written(values: np.ndarray) -> list[list[str]]:

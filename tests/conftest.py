@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import signal
 import subprocess
 import sys
 import zipfile
@@ -62,6 +63,14 @@ def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
         command = [sys.executable, "-m", tool, "build", "-f", str(script), "-d", str(folder)]
         subprocess.run(command, check=True, capture_output=True)
     return folder
+
+
+@pytest.fixture(autouse=True)
+def ctrl_c_is_heard() -> Iterator[None]:
+    """Let SIGINT interrupt, as it does in a terminal; workers and jobs in the background ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture

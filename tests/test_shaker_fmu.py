@@ -67,7 +67,7 @@ def test_states_continue_bit_identically(fmus: Path, native: Path, flavour: str,
         outputs = [v.valueReference for v in model.outputs]
 
         def step(instance: Instance, k: int) -> list[float]:
-            instance._do_step(k * H, H)
+            instance.advance(k * H, H)
             get = instance.fmu.getFloat64 if flavour == "fmi3" else instance.fmu.getReal
             return list(get(outputs))
 
