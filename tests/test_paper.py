@@ -217,7 +217,8 @@ window.addEventListener("error", () => { failed += 1; }, true);
 window.addEventListener("load", () => {
   const pictures = [...document.images].filter((image) => image.naturalWidth > 0 && image.clientWidth > 100);
   const wide = document.documentElement.scrollWidth;
-  parent.document.title = `wide ${wide} of ${window.innerWidth}, pictures ${pictures.length}, failed ${failed}`;
+  const shown = document.documentElement.clientWidth;
+  parent.document.title = `wide ${wide} of ${shown}, pictures ${pictures.length}, failed ${failed}`;
 });
 </script>"""
 
@@ -229,7 +230,7 @@ def look(page: str, width: int, folder: Path) -> tuple[int, int, int, int]:
     (folder / "frame.html").write_text(f"<!doctype html><meta charset=utf-8><title></title>{frame}", encoding="utf-8")
     command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"]
     command += ["--disable-background-networking", "--disable-component-update", f"--user-data-dir={folder / 'user'}"]
-    command += ["--window-size=1400,1000", "--dump-dom", (folder / "frame.html").as_uri()]
+    command += ["--hide-scrollbars", "--window-size=1400,1000", "--dump-dom", (folder / "frame.html").as_uri()]
     shown = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
     title = re.search(r"<title>(.*?)</title>", shown)[1]
     wide, window, pictures, failed = map(int, re.findall(r"\d+", title))
