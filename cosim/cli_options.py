@@ -47,7 +47,7 @@ parameters_option = click.option(
     "parameter_files",
     multiple=True,
     metavar="FILE.ssv|NAME",
-    help="Parameters: a file, or a set that comes along (passive, prototype, ride); repeatable, later wins.",
+    help=f"Parameters: a file, or a set that comes along ({', '.join(NAMES)}); repeatable, later wins.",
 )
 
 

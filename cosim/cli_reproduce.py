@@ -16,6 +16,7 @@ from cosim.errors import SetupError, writing_to
 from cosim.results import Result, clear
 from cosim.scenarios import SCENARIOS, driver_mass, seat_suspension
 from cosim.system import System
+from plant_models.parameter_sets import NAMES
 
 
 @click.command()
@@ -55,7 +56,7 @@ def _reproduce_all(system: System, folder: Path) -> None:
 
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    calibration = Calibration(**{name: parameter_sets([name], system) for name in ("prototype", "passive", "ride")})
+    calibration = Calibration(**{name: parameter_sets([name], system) for name in NAMES})
     with progress_shown("the paper") as progress, system.open() as session:
         lab = Lab(
             system,

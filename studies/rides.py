@@ -70,10 +70,13 @@ class Rides:
     ----------
     fmus
         Folder of the three FMUs.
+    load
+        Parameters of what sits on the seat, for all rides.
     """
 
-    def __init__(self, fmus: Path) -> None:
+    def __init__(self, fmus: Path, load: Parameters) -> None:
         self.system = seat_suspension(fmus)
+        self.load = load
         self._stack = ExitStack()
 
     def __enter__(self) -> Rides:
@@ -87,7 +90,7 @@ class Rides:
         self, stop_time: float, parameters: Parameters, mass: float, record: Iterable[str], record_every: int = 1
     ) -> Result:
         """Run once; an incomplete run is an error."""
-        values = {**driver_mass(mass), **parameters}
+        values = {**driver_mass(mass), **self.load, **parameters}
         result = self._session.run(stop_time, parameters=values, record=record, record_every=record_every)
         if result.error is not None:
             raise result.error

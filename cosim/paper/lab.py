@@ -38,6 +38,8 @@ class Calibration:
 
     Attributes
     ----------
+    load
+        What the experiments put on the seats.
     prototype
         Imperfections of the active seat, its sensors and actuator.
     passive
@@ -46,6 +48,7 @@ class Calibration:
         The random excitation.
     """
 
+    load: Mapping[str, Value]
     prototype: Mapping[str, Value]
     passive: Mapping[str, Value]
     ride: Mapping[str, Value]
@@ -123,12 +126,17 @@ class Lab:
         }
 
     def seats(self) -> dict[str, Case]:
-        """Name the seats of the experiments; the paper does not say with which observer: the one of its Fig. 8."""
+        """Name the seats of the experiments; the paper does not say with which observer: the one of its Fig. 8.
+
+        ``ideal`` is the controlled one without the imperfections of actuator and sensors.
+        """
         made = self.calibration
+        active = observer(self.gammas[1])
         parameters = {
-            "passive": {**made.passive, **control(False)},
-            "uncontrolled": {**made.prototype, **control(False)},
-            "controlled": {**made.prototype, **observer(self.gammas[1])},
+            "passive": {**made.load, **made.passive, **control(False)},
+            "uncontrolled": {**made.load, **made.prototype, **control(False)},
+            "controlled": {**made.load, **made.prototype, **active},
+            "ideal": {**made.load, **active},
         }
         return {name: Case(name.capitalize(), values, _STYLES[name]) for name, values in parameters.items()}
 
@@ -137,6 +145,7 @@ _STYLES: dict[str, dict[str, Any]] = {
     "passive": {"color": "C2"},
     "uncontrolled": {"color": "0.45", "linestyle": "--"},
     "controlled": {"color": "C0"},
+    "ideal": {"color": "C1", "linestyle": ":"},
 }
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-NAMES = ("passive", "prototype", "ride")
-"""The well-tuned passive seat; imperfections of the active prototype; the random excitation of the experiments."""
+NAMES = ("load", "passive", "prototype", "ride")
+"""The load of the experiments; the well-tuned passive seat; imperfections of the active prototype; the random ride."""
 
 
 def path(name: str) -> Path:
