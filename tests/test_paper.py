@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Shell, read_csv
+from conftest import ROOT, Shell, read_csv
 
 from cosim import report
 from cosim.cli_options import parameter_sets
@@ -151,6 +151,14 @@ def test_every_difference_has_its_sentence(found: dict[str, Finding]):
 def test_table_1_has_the_start_values_and_marks_the_misprint(found: dict[str, Finding]):
     differing = [each.quantity for each in found["table1"].rows if each.paper != each.ours]
     assert differing == ["Largest driver mass m_bmax"]
+
+
+def test_the_document_shows_what_is_found(found: dict[str, Finding]):
+    text = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    for _, rows in report.summary(list(found.values())):
+        for entry, each in rows:
+            unit = "" if each.unit == "1" else f" {each.unit}"
+            assert f"| {entry.number} | {each.quantity} |{unit} | {each.paper} | {each.ours} |\n" in text
 
 
 def test_the_report_has_all_figures_and_tables(page: str, folder: Path):
