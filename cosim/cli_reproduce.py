@@ -10,7 +10,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.cli_options import parameter_sets
-from cosim.cli_seat import flavour_option, fmus_option, mass_option
+from cosim.cli_seat import flavour_option, fmus_option, gains_of, mass_option
 from cosim.console import command_line, conclude, console, progress_shown, stderr
 from cosim.errors import SetupError, writing_to
 from cosim.results import Result, clear
@@ -62,6 +62,7 @@ def _reproduce_all(system: System, folder: Path) -> None:
             system,
             session,
             calibration,
+            recommended=gains_of("recommended"),
             gammas={number: gamma.value for number, gamma in design.OBSERVERS.items()},
             settings={"alpha": design.ALPHA.value, "P_2": design.P_2.value, "lambda": design.LAMBDA.value},
             progress=progress,

@@ -69,7 +69,7 @@ def write(folder: Path, findings: Sequence[Finding], report: Callable[[str], Non
 def _draw(folder: Path, entry: Entry, finding: Finding) -> str:
     """Draw a figure into its files; returns it as the page holds it."""
     vector = folder / f"{entry.key}.svg"
-    title = f"As the paper's {entry.number}: {entry.title}"
+    title = f"As the paper's {entry.number}: {entry.title}" if entry.in_paper else entry.title
     draw(vector, title, finding.panels, finding.x_label, width=_WIDTH, copies=[vector.with_suffix(".png")])
     return "data:image/svg+xml;base64," + base64.b64encode(vector.read_bytes()).decode("ascii")
 

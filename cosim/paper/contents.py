@@ -1,4 +1,4 @@
-"""The paper's figures and tables that are reproduced: number, title, and what the paper says with them."""
+"""The paper's figures and tables that are reproduced, and what goes beyond: number, title, what the paper says."""
 
 from __future__ import annotations
 
@@ -19,12 +19,15 @@ class Entry:
         A short one, of ours.
     claim
         What the paper says with it.
+    in_paper
+        Whether the paper has it.
     """
 
     key: str
     number: str
     title: str
     claim: str
+    in_paper: bool = True
 
 
 CONTENTS = [
@@ -121,6 +124,14 @@ CONTENTS = [
         "Fig. 19",
         "The friction model at a reversal",
         "The model (35)-(36) with the identified parameters describes the measured friction.",
+    ),
+    Entry(
+        "beyond",
+        "Beyond the paper",
+        "Bump with anti-windup and the recommended gains",
+        "Its observer takes saturation for a part of the disturbance; it leaves a better anti-windup, and drivers "
+        "whose mass is not known well, to further work.",
+        in_paper=False,
     ),
 ]
 """In the order of the report."""

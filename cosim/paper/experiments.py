@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from cosim.paper.beyond import beyond_the_paper
 from cosim.paper.bumps import rig_bumps
 from cosim.paper.contents import CONTENTS
 from cosim.paper.finding import Finding
@@ -22,6 +23,7 @@ EXPERIMENTS: dict[str, Callable[[Lab], Iterator[Finding]]] = {
     "bumps on the rig": rig_bumps,
     "random rides": rig_rides,
     "friction": friction_loops,
+    "beyond the paper": beyond_the_paper,
 }
 """What is run, by name."""
 

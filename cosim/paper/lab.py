@@ -66,6 +66,8 @@ class Lab:
         It, loaded.
     calibration
         The parameters that are ours, not the paper's.
+    recommended
+        Gains that are ours, for any driver, as parameters of the controller.
     gammas
         Gamma of Observers 1 and 2, in s/kg2.
     settings
@@ -79,6 +81,7 @@ class Lab:
     system: System
     session: Session
     calibration: Calibration
+    recommended: Mapping[str, Value]
     gammas: Mapping[int, float]
     settings: Mapping[str, float]
     progress: Callable[[str], None] = lambda text: None
