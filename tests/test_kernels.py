@@ -22,7 +22,7 @@ from fmus.native_build import STANDARDS, source_files
 from fmus.variables import Variable
 from plant_models.actuator import PLACES
 
-SAMPLES = {"advance": 100_000, "initial": 10_000}
+SAMPLES = [("initial", 10_000), ("advance", 20_000), pytest.param("advance", 100_000, marks=pytest.mark.long)]
 RELATIVE = 1e-12
 FLOOR = 1e-15
 """Differences below this share of a column's largest magnitude do not count: what cancels leaves no digits."""
@@ -174,11 +174,10 @@ def largest_difference(found: np.ndarray, expected: np.ndarray) -> float:
 
 
 @gcc
-@pytest.mark.parametrize("what", ["initial", "advance"])
+@pytest.mark.parametrize(("what", "count"), SAMPLES)
 @pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.name)
-def test_c_and_python_compute_the_same(component: Component, what: str, tmp_path: Path):
+def test_c_and_python_compute_the_same(component: Component, what: str, count: int, tmp_path: Path):
     random = np.random.default_rng(4)
-    count = SAMPLES[what]
     values = np.array([random_values(v, count, random) for v in component.variables]).T.copy()
     times = 0.002 * random.integers(0, 2000, count) + random.choice([0.0, 1e-10, -1e-10, 7e-4], count)
     steps = random.choice([1e-5, 2e-4, 5e-4, 2e-3, 1e-2], count, p=[0.2, 0.3, 0.35, 0.1, 0.05])
