@@ -12,7 +12,7 @@ from pathlib import PurePosixPath
 from lxml import etree
 
 from cosim.archives import leaves, size_problems
-from cosim.conformance.rule import Advice, NotApplicable, rule
+from cosim.conformance.rule import Advice, NotApplicableError, rule
 from cosim.conformance.subject import Subject
 from cosim.mending import DESCRIPTION
 
@@ -93,8 +93,7 @@ def kinds(fmu: Subject) -> Iterator[str]:
 def compression(fmu: Subject) -> Iterator[str]:
     for member in fmu.members:
         if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-            name = zipfile.compressor_names.get(member.compress_type, "unknown")
-            yield f"member {member.filename}: expected method 0 (store) or 8 (deflate), got {name}"
+            yield f"member {member.filename}: expected method 0 (store) or 8 (deflate), got {member.compress_type}"
 
 
 @rule("archive.size", "The archive does not grow out of proportion when extracted", stage="archive")
@@ -215,14 +214,15 @@ def formats(head: bytes) -> list[str]:
 def sources(fmu: Subject) -> Iterator[str]:
     found = {str(path) for path in fmu.under("sources")}
     if not found and not (fmu.description and fmu.description.source_files):
-        raise NotApplicable("the FMU has no sources")
+        raise NotApplicableError("the FMU has no sources")
     if _standard(fmu) == 2:
         listed = fmu.description.source_files if fmu.description else ()
         where = "SourceFiles"
     else:
         where = "buildDescription.xml"
         if where not in found:
-            yield f"sources: expected a {where}, got none"
+            text = f"sources: expected a {where}, got none"
+            yield Advice(text) if fmu.under("binaries") else text  # they may be there for reading
             return
         listed = tuple(_listed(fmu))
     for name in listed:
@@ -249,10 +249,10 @@ def _listed(fmu: Subject) -> Iterator[str]:
 def documentation(fmu: Subject) -> Iterator[str]:
     found = {str(path) for path in fmu.under("documentation")}
     if not found:
-        raise NotApplicable("the FMU has no documentation")
-    if any(name.startswith("licenses/") for name in found):
-        if not found & {"licenses/license.txt", "licenses/license.html", "licenses/license.spdx"}:
-            yield "documentation/licenses: expected license.txt, license.html or license.spdx, got none"
+        raise NotApplicableError("the FMU has no documentation")
+    entries = {f"licenses/license.{suffix}" for suffix in ("txt", "html", "spdx")}
+    if any(name.startswith("licenses/") for name in found) and not found & entries:
+        yield "documentation/licenses: expected license.txt, license.html or license.spdx, got none"
     if "index.html" not in found and any(name.endswith((".html", ".htm")) for name in found):
         yield "documentation: expected an index.html, got pages without it"
 
@@ -263,7 +263,7 @@ def _standard(fmu: Subject) -> int:
 
 def _identifier(fmu: Subject) -> str:
     if fmu.description is None or not fmu.description.identifier:
-        raise NotApplicable("the description names no model identifier for co-simulation")
+        raise NotApplicableError("the description names no model identifier for co-simulation")
     return fmu.description.identifier
 
 

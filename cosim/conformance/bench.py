@@ -14,8 +14,8 @@ from functools import cached_property
 from pathlib import Path
 
 from cosim.conformance.reading import FLOATS, INTEGERS, Description, Variable, number
-from cosim.conformance.rule import NotApplicable
-from cosim.conformance.slave import WARNING, Library, Refused, Slave, Step, Values, load
+from cosim.conformance.rule import NotApplicableError
+from cosim.conformance.slave import WARNING, Library, RefusedError, Slave, Step, Values, load
 
 STEPS = 20
 """How many steps a run has where the experiment does not end before."""
@@ -77,13 +77,13 @@ class Bench:
 
         Raises
         ------
-        Refused
+        RefusedError
             If it does not let itself be instantiated.
         """
         pointer = self.library.make(name, self.description.token)
         if not pointer:
             what = "guid" if self.description.standard == 2 else "instantiationToken"
-            raise Refused(
+            raise RefusedError(
                 f"expected an instance with the description's {what} {self.description.token}, got none"
                 f"{self.library.complaint()}"
             )
@@ -147,7 +147,7 @@ class Bench:
         for v in self.inputs:
             status = slave.set(v, values[v.name])
             if status > WARNING:
-                raise Refused(f"{v}: expected to take {values[v.name]}, refused it{self.library.complaint()}")
+                raise RefusedError(f"{v}: expected to take {values[v.name]}, refused it{self.library.complaint()}")
 
     @cached_property
     def observed(self) -> list[Variable]:
@@ -185,11 +185,11 @@ class Bench:
 
         Raises
         ------
-        NotApplicable
+        NotApplicableError
             If the FMU's experiment is too short to have one.
         """
         if self.experiment.steps < 4:
-            raise NotApplicable("the default experiment has less than four steps")
+            raise NotApplicableError("the default experiment has less than four steps")
         return self.experiment.steps // 2
 
     # ---- what else it does -------------------------------------------------------------------------------------------
@@ -206,16 +206,16 @@ class Bench:
 
         Raises
         ------
-        NotApplicable
+        NotApplicableError
             If it does not.
         """
         if not self.description.can(capability):
-            raise NotApplicable(f"the FMU does not declare {capability}")
+            raise NotApplicableError(f"the FMU does not declare {capability}")
 
     def several(self) -> None:
         """Go on only if several instances may live in a process; exceptions as those of :meth:`can`."""
         if self.description.can("canBeInstantiatedOnlyOncePerProcess"):
-            raise NotApplicable("the FMU can be instantiated only once per process")
+            raise NotApplicableError("the FMU can be instantiated only once per process")
 
 
 def bits(values: Values) -> tuple[object, ...]:

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import fmpy
-from fmpy.validation import validate_model_description
 from lxml import etree
 
 from cosim.conformance.reading import Description, number
-from cosim.conformance.rule import Advice, NotApplicable, rule
+from cosim.conformance.rule import Advice, NotApplicableError, rule
 from cosim.conformance.subject import Subject
 from cosim.mending import DESCRIPTION
 
@@ -27,11 +26,11 @@ def described(fmu: Subject) -> Description:
 
     Raises
     ------
-    NotApplicable
+    NotApplicableError
         If there is none that can be read.
     """
     if fmu.description is None:
-        raise NotApplicable("the description cannot be read")
+        raise NotApplicableError("the description cannot be read")
     return fmu.description
 
 
@@ -49,7 +48,7 @@ def _schema(standard: int) -> Any:
 )
 def readable(fmu: Subject) -> Iterator[str]:
     if fmu.text is None:
-        raise NotApplicable("there is no description")
+        raise NotApplicableError("there is no description")
     if fmu.problem:
         yield fmu.problem
         return
@@ -67,7 +66,7 @@ def readable(fmu: Subject) -> Iterator[str]:
 )
 def version(fmu: Subject) -> Iterator[str]:
     if fmu.tree is None:
-        raise NotApplicable("the description cannot be read")
+        raise NotApplicableError("the description cannot be read")
     if fmu.tree.tag != "fmiModelDescription":
         yield f"{DESCRIPTION}: expected the element fmiModelDescription, got {fmu.tree.tag}"
     elif fmu.description is None:
@@ -120,7 +119,7 @@ def token(fmu: Subject) -> Iterator[str]:
     found = described(fmu)
     name = "guid" if found.standard == 2 else "instantiationToken"
     if name not in found.attributes:
-        raise NotApplicable(f"there is no {name}, as the rule on the schema tells")
+        raise NotApplicableError(f"there is no {name}, as the rule on the schema tells")
     if not found.token.strip():
         yield f"{name}: expected a text of its own, got an empty one"
     elif found.token != found.token.strip():
@@ -156,7 +155,7 @@ def capabilities(fmu: Subject) -> Iterator[str]:
 def experiment(fmu: Subject) -> Iterator[str]:
     found = described(fmu).experiment
     if not found:
-        raise NotApplicable("there is no default experiment")
+        raise NotApplicableError("there is no default experiment")
     values = {name: number(text) for name, text in found.items()}
     for name, value in values.items():
         if name in ("startTime", "stopTime", "stepSize", "tolerance") and not math.isfinite(value or 0.0):
@@ -182,25 +181,9 @@ def experiment(fmu: Subject) -> Iterator[str]:
 def step(fmu: Subject) -> Iterator[str]:
     found = described(fmu)
     if "CoSimulation" not in found.interfaces or found.can("canHandleVariableCommunicationStepSize"):
-        raise NotApplicable("the FMU takes steps of any size")
+        raise NotApplicableError("the FMU takes steps of any size")
     if "stepSize" not in found.experiment and "fixedInternalStepSize" not in found.co_simulation:
         yield (
             "canHandleVariableCommunicationStepSize is false: expected a stepSize in the DefaultExperiment, "
             "got nothing that tells which steps it takes"
         )
-
-
-@rule(
-    "description.fmpy",
-    "fmpy's own validation finds nothing either",
-    clause="2.0 §2.2; 3.0 §2.4",
-    stage="description",
-    last=True,
-)
-def second_opinion(fmu: Subject) -> Iterator[str]:
-    described(fmu)
-    try:
-        found = fmpy.read_model_description(str(fmu.path), validate=False)
-        yield from validate_model_description(found, validate_model_structure=True)
-    except Exception as error:  # whatever fmpy stumbles over
-        yield f"{DESCRIPTION}: expected a description that fmpy can read, got: {error}"

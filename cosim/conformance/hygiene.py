@@ -12,19 +12,22 @@ from pathlib import Path
 
 from cosim.conformance.bench import Bench, entries
 from cosim.conformance.life import RUNS
-from cosim.conformance.rule import NotApplicable, rule
+from cosim.conformance.rule import NotApplicableError, rule
 
-_CYCLES = 100
+_CYCLES = 60
 """How many lives make a measurement."""
 
-_PATIENCE = 0.5
+_BATCHES = 3
+"""How many measurements are made; the smallest growth counts."""
+
+_PATIENCE = 0.4
 """How long a measurement may take, in s; FMUs that are slow to make live fewer lives."""
 
 _FEWEST = 20
 """Fewer lives than this say nothing."""
 
-LEAK = 512
-"""Bytes a life may leave behind: less than a page in eight lives is noise of the allocator."""
+LEAK = 1024
+"""Bytes a life may leave behind: less than a page in four lives is noise of the allocator."""
 
 _STATM, _DESCRIPTORS = Path("/proc/self/statm"), Path("/proc/self/fd")
 
@@ -113,16 +116,16 @@ def _lives(bench: Bench) -> int:
 
     Raises
     ------
-    NotApplicable
+    NotApplicableError
         If too few do, or this system does not tell what there is to measure.
     """
     if not _STATM.exists():
-        raise NotApplicable(f"this system has no {_STATM.parent} to measure with")
+        raise NotApplicableError(f"this system has no {_STATM.parent} to measure with")
     begin = time.perf_counter()
     for _ in range(_FEWEST):
         _live(bench)
         if time.perf_counter() - begin > _PATIENCE:
-            raise NotApplicable("the FMU takes too long to live many lives")
+            raise NotApplicableError("the FMU takes too long to live many lives")
     return min(_CYCLES, int(_FEWEST * _PATIENCE / (time.perf_counter() - begin)))
 
 
@@ -136,13 +139,13 @@ def _lives(bench: Bench) -> int:
 def memory(bench: Bench) -> Iterator[str]:
     cycles = _lives(bench)
     grown = []
-    for _ in range(2):  # an allocator grows once, a leak always
+    for _ in range(_BATCHES):  # an allocator grows once, a leak always
         before = _resident()
         for _ in range(cycles):
             _live(bench)
         grown.append((_resident() - before) / cycles)
     if min(grown) > LEAK:
-        yield f"expected no growth from life to life, got {min(grown) / 1024:.1f} KiB each over {2 * cycles}"
+        yield f"expected no growth from life to life, got {min(grown) / 1024:.1f} KiB each over {_BATCHES * cycles}"
 
 
 def _resident() -> int:
@@ -158,7 +161,7 @@ def _resident() -> int:
 )
 def descriptors(bench: Bench) -> Iterator[str]:
     if not _DESCRIPTORS.exists():
-        raise NotApplicable(f"this system has no {_DESCRIPTORS} to count")
+        raise NotApplicableError(f"this system has no {_DESCRIPTORS} to count")
     _live(bench)
     before = len(list(_DESCRIPTORS.iterdir()))
     for _ in range(3):

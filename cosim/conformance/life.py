@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 
 from cosim.conformance.bench import Bench, bits, changed, difference, parsed, show
 from cosim.conformance.binary import LOADED
-from cosim.conformance.rule import NotApplicable, rule
-from cosim.conformance.slave import OK, STATUS, WARNING, Refused, Slave
+from cosim.conformance.rule import NotApplicableError, rule
+from cosim.conformance.slave import OK, STATUS, WARNING, RefusedError, Slave
 
 RUNS = ("steps.inputs",)
 """What rules need that run the FMU with moving inputs."""
@@ -23,13 +23,13 @@ RUNS = ("steps.inputs",)
 )
 def instantiate(bench: Bench) -> None:
     if any(v.type == "Clock" for v in bench.description.variables):
-        raise NotApplicable("the FMU has clocks, for which it needs a master with event mode")
+        raise NotApplicableError("the FMU has clocks, for which it needs a master with event mode")
     try:
         with bench.instance():
             pass
-    except Refused as error:
+    except RefusedError as error:
         if bench.description.can("needsExecutionTool"):
-            raise NotApplicable(f"the FMU needs another tool, without which it cannot be made: {error}") from None
+            raise NotApplicableError(f"the FMU needs another tool, without which it cannot be made: {error}") from None
         raise
 
 
@@ -247,7 +247,7 @@ def fixed(bench: Bench) -> Iterator[str]:
     parameters = [v for v in bench.description.variables if (v.causality, v.variability) == ("parameter", "fixed")]
     parameters = [v for v in parameters if v.type in bench.library.TYPES]
     if not parameters:
-        raise NotApplicable("the FMU has no fixed parameters")
+        raise NotApplicableError("the FMU has no fixed parameters")
     accepted = []
     for v in parameters[:_TRIED]:
         slave = bench.make()

@@ -11,7 +11,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from cosim.conformance.reading import Description
-from cosim.conformance.rule import Finding, NotApplicable
+from cosim.conformance.rule import Finding, NotApplicableError
 
 _SERVER = "from cosim.conformance.server import main; main()"
 
@@ -73,16 +73,16 @@ class Processes:
 
         Raises
         ------
-        NotApplicable
+        NotApplicableError
             If the FMU gives it nothing to look at, or this system has no way to fork.
         """
         if os.name != "posix":
-            raise NotApplicable(f"rules of behaviour need Linux or macOS, this is {sys.platform}")
+            raise NotApplicableError(f"rules of behaviour need Linux or macOS, this is {sys.platform}")
         connection = self._connection or self._start()
         connection.send(question)
         answer: Answer = connection.recv()
         if answer.reason:
-            raise NotApplicable(answer.reason)
+            raise NotApplicableError(answer.reason)
         return answer.findings
 
     def _start(self) -> Connection:

@@ -261,8 +261,10 @@ def _variable(standard: int, index: int, element: Any, body: Any, declared: Any)
     """Read a variable: its element, the one of its type (in FMI 3.0 the same), its declared type's or None."""
 
     def own(name: str) -> str | None:
-        text = body.get(name)
-        return text if text is not None or declared is None else declared.get(name)
+        text: str | None = body.get(name)
+        if text is None and declared is not None:
+            text = declared.get(name)
+        return text
 
     causality = element.get("causality", "local")
     variability = element.get("variability") or default_variability(standard, body.tag, causality)

@@ -46,7 +46,7 @@ class Advice(str):
     __slots__ = ()
 
 
-class NotApplicable(Exception):
+class NotApplicableError(Exception):
     """Raised by a rule that has nothing to look at in this FMU, saying why."""
 
 
@@ -88,7 +88,7 @@ class Rule:
 
         Raises
         ------
-        NotApplicable
+        NotApplicableError
             If there is nothing to look at.
         """
         return [self.finding(message) for message in self.check(subject) or ()]

@@ -1,7 +1,7 @@
 """The process behind :mod:`cosim.conformance.process`: for each rule it forks a child that runs the FMU.
 
-Everything is imported once, so that a rule costs a fork and no start of Python; and as nothing else runs here, no thread
-and no lock of the tool's own is lost in a fork.
+Everything is imported once, so that a rule costs a fork and no start of Python; and as nothing else runs here, no
+thread and no lock of the tool's own is lost in a fork.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 from cosim.conformance import suite
 from cosim.conformance.bench import Bench
 from cosim.conformance.process import Answer, Question
-from cosim.conformance.rule import RULES, NotApplicable
+from cosim.conformance.rule import RULES, NotApplicableError
 from cosim.errors import CosimError
 
 
@@ -31,7 +31,7 @@ def answer(question: Question, output: Path) -> Answer:
     try:
         bench = Bench(question.description, question.folder, output)
         return Answer(findings=RULES[question.rule].apply(bench))
-    except NotApplicable as reason:
+    except NotApplicableError as reason:
         return Answer(reason=str(reason))
     except CosimError as error:
         return Answer(findings=[RULES[question.rule].finding(str(error))])

@@ -1,7 +1,7 @@
 """Instances of an FMU, called function by function: what a rule asks comes back as a status, to be judged by the rule.
 
-:class:`cosim.instance.Instance` is for those who want to run an FMU and hear of what goes wrong; here calls are made that
-are wrong on purpose. fmpy loads the library and knows the functions' prototypes.
+:class:`cosim.instance.Instance` is for those who want to run an FMU and hear of what goes wrong; here calls are made
+that are wrong on purpose. fmpy loads the library and knows the functions' prototypes.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 Values = tuple[Any, ...]
 
 
-class Refused(CosimError):
+class RefusedError(CosimError):
     """A call that should have gone well did not."""
 
 
@@ -242,8 +242,9 @@ class Library3(Library):
 
 def library_path(description: Description, folder: Path) -> Path:
     """Return where an FMU's library for this machine lies, if it has one."""
-    where = platform if description.standard == 2 else platform_tuple
-    return folder / "binaries" / where / f"{description.identifier}{sharedLibraryExtension}"
+    where: str = platform if description.standard == 2 else platform_tuple
+    name: str = f"{description.identifier}{sharedLibraryExtension}"
+    return folder / "binaries" / where / name
 
 
 def load(description: Description, folder: Path) -> Library:
@@ -276,7 +277,7 @@ class Slave:
 
         Raises
         ------
-        Refused
+        RefusedError
             If it does not.
         """
         self._judge(self.library.PREFIX + name, self.call(name, *arguments))
@@ -284,7 +285,7 @@ class Slave:
     def _judge(self, name: str, status: int, where: str = "") -> None:
         if status > WARNING:
             got = STATUS[status] if status < len(STATUS) else status
-            raise Refused(f"{name}{where}: expected ok, got {got}{self.library.complaint()}")
+            raise RefusedError(f"{name}{where}: expected ok, got {got}{self.library.complaint()}")
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
 
@@ -302,7 +303,7 @@ class Slave:
         if not found.ended:
             self._judge(f"{self.library.PREFIX}DoStep", found.status, f" at t = {time:g} s, step {size:g} s")
             if found.early:
-                raise Refused(f"fmi3DoStep at t = {time:g} s: expected the whole step, got an early return")
+                raise RefusedError(f"fmi3DoStep at t = {time:g} s: expected the whole step, got an early return")
         return found
 
     def free(self) -> None:
@@ -355,7 +356,7 @@ class Slave:
         found = ctypes.c_void_p()
         self.demand(self.library.STATE[0], ctypes.byref(found))
         if not found.value:
-            raise Refused(f"{self.library.PREFIX}{self.library.STATE[0]}: expected a state, got a null pointer")
+            raise RefusedError(f"{self.library.PREFIX}{self.library.STATE[0]}: expected a state, got a null pointer")
         return found
 
     def restore(self, state: ctypes.c_void_p) -> None:

@@ -31,9 +31,7 @@ def continues(bench: Bench) -> Iterator[str]:
         restored = slave.get(bench.observed)
         again = bench.run(slave, middle)
         slave.free_state(state)
-    if text := changed(before[-1], restored):
-        yield f"after setting the state: {text}"
-    elif text := difference(first, again, bench.experiment, middle):
+    if text := changed(before[-1], restored) or difference(first, again, bench.experiment, middle):
         yield f"after setting the state: {text}"
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from cosim.conformance.bench import Bench, bits, difference, show
 from cosim.conformance.life import RUNS
 from cosim.conformance.reading import FLOATS, INTEGERS, Variable, number
-from cosim.conformance.rule import NotApplicable, rule
+from cosim.conformance.rule import NotApplicableError, rule
 from cosim.conformance.slave import STATUS, WARNING
 
 _STEP = "2.0 §4.2.2; 3.0 §4.2.1"
@@ -59,7 +59,7 @@ def time(bench: Bench) -> Iterator[str]:
     clocks = [v for v in bench.description.variables if v.causality == "independent" and v.type in FLOATS]
     internal = number(bench.description.co_simulation.get("fixedInternalStepSize")) or 0.0
     if not clocks and bench.description.standard == 2:
-        raise NotApplicable("the FMU has no independent variable, and FMI 2.0 no other way to tell the time")
+        raise NotApplicableError("the FMU has no independent variable, and FMI 2.0 no other way to tell the time")
     with bench.started() as slave:
         for k in range(bench.experiment.steps):
             step = bench.advance(slave, k)
@@ -109,7 +109,7 @@ def backward(bench: Bench) -> Iterator[str]:
     slave = bench.make()
     bench.start(slave)
     if slave.step(bench.experiment.start, bench.experiment.size).ended:
-        raise NotApplicable("the FMU ends the run after one step")
+        raise NotApplicableError("the FMU ends the run after one step")
     status = slave.library.step(slave.pointer, bench.experiment.time(1), -bench.experiment.size).status
     if status <= WARNING:
         yield f"step of {-bench.experiment.size:g} s: expected an error, got {STATUS[status]}"
@@ -129,7 +129,7 @@ def stop_time(bench: Bench) -> Iterator[str]:
     bench.start(slave, stop)
     for k in range(steps):
         if slave.step(bench.experiment.time(k), bench.experiment.size).ended:
-            raise NotApplicable("the FMU ends the run before that")
+            raise NotApplicableError("the FMU ends the run before that")
     found = slave.library.step(slave.pointer, stop, bench.experiment.size)
     if found.status <= WARNING and not found.ended:
         yield f"step from the stop time {stop:g} s on: expected an error, got {STATUS[found.status]}"
@@ -145,7 +145,7 @@ def stop_time(bench: Bench) -> Iterator[str]:
 def bounds(bench: Bench) -> Iterator[str]:
     bounded = {v.name: v for v in bench.observed if v.minimum is not None or v.maximum is not None}
     if not bounded:
-        raise NotApplicable("no variable has bounds")
+        raise NotApplicableError("no variable has bounds")
     with bench.started() as slave:
         for k, row in enumerate(bench.run(slave), 1):
             for v in list(bounded.values()):
@@ -166,7 +166,7 @@ def _range(v: Variable) -> tuple[float, float]:
 def finite(bench: Bench) -> Iterator[str]:
     outputs = [v for v in bench.observed if v.causality == "output" and v.type in FLOATS]
     if not outputs:
-        raise NotApplicable("the FMU has no real outputs")
+        raise NotApplicableError("the FMU has no real outputs")
     with bench.started() as slave:
         rows = bench.run(slave)
     for v in outputs:
@@ -186,7 +186,7 @@ def finite(bench: Bench) -> Iterator[str]:
 def constant(bench: Bench) -> Iterator[str]:
     steady = [v for v in bench.observed if v.variability in ("constant", "fixed", "tunable")]
     if not steady:
-        raise NotApplicable("the FMU has neither parameters nor constants")
+        raise NotApplicableError("the FMU has neither parameters nor constants")
     with bench.started() as slave:
         before = slave.get(steady)
         rows = bench.run(slave)
@@ -209,7 +209,7 @@ def limits(bench: Bench) -> Iterator[str]:
     settable = [v for v in bench.observed if v.causality in ("parameter", "input") and not v.dimensions]
     tried = [(v, value) for v in settable if (value := _outside(v)) is not None][:_TRIED]
     if not tried:
-        raise NotApplicable("neither parameters nor inputs have bounds")
+        raise NotApplicableError("neither parameters nor inputs have bounds")
     for v, value in tried:
         slave = bench.make()
         slave.enter(bench.experiment.start)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from cosim.conformance.description import described
 from cosim.conformance.reading import FLOATS, Description, Unknown, Variable
-from cosim.conformance.rule import NotApplicable, rule
+from cosim.conformance.rule import NotApplicableError, rule
 from cosim.conformance.subject import Subject
 
 _CLAUSE = "2.0 §2.2.8; 3.0 §2.4.8"
@@ -95,7 +95,7 @@ def derivatives(fmu: Subject) -> Iterator[str]:
     found = described(fmu)
     listed = _targets(fmu, "Derivative")
     if not listed:
-        raise NotApplicable("no derivatives are listed")
+        raise NotApplicableError("no derivatives are listed")
     for v in found.variables:
         if v.index in listed and v.derivative is None:
             yield f"Derivatives: expected {v} to have the attribute derivative, got none"
@@ -110,7 +110,7 @@ def derivatives(fmu: Subject) -> Iterator[str]:
 def dependencies(fmu: Subject) -> Iterator[str]:
     found = described(fmu)
     if all(unknown.dependencies is None and unknown.kinds is None for unknown in found.unknowns):
-        raise NotApplicable("no dependencies are declared")
+        raise NotApplicableError("no dependencies are declared")
     states = {v.derivative for v in found.variables if v.derivative is not None}
     for unknown in found.unknowns:
         where = f"{unknown.list} {found.target(unknown.target) or unknown.target}"
@@ -131,7 +131,9 @@ def _may_be_known(unknown: Unknown, known: Variable, state: bool) -> bool:
         return True
     if unknown.list == "InitialUnknown":
         return known.initial in ("exact", "approx") and known.variability != "constant"
-    return known.variability == "tunable" or (known.causality in ("local", "output") and known.variability == "discrete")
+    return known.variability == "tunable" or (
+        known.causality in ("local", "output") and known.variability == "discrete"
+    )
 
 
 def _kind_problems(found: Description, unknown: Unknown) -> Iterator[str]:
@@ -161,7 +163,7 @@ def _kind_problems(found: Description, unknown: Unknown) -> Iterator[str]:
 def dependencies_told(fmu: Subject) -> Iterator[str]:
     found = described(fmu)
     if not any(v.causality == "input" for v in found.variables) or not _entries(fmu, "Output"):
-        raise NotApplicable("the FMU has no inputs, or no outputs")
+        raise NotApplicableError("the FMU has no inputs, or no outputs")
     silent = [found.target(unknown.target) for unknown in _entries(fmu, "Output") if unknown.dependencies is None]
     if missing := [v for v in silent if v is not None]:
         yield f"Outputs: expected dependencies, {_names(missing)} without"

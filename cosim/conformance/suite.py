@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Literal
 
 from cosim.conformance.process import Processes, Question
-from cosim.conformance.rule import RULES, Finding, NotApplicable, Rule
+from cosim.conformance.rule import RULES, Finding, NotApplicableError, Rule
 from cosim.conformance.slave import library_path
 from cosim.conformance.subject import Subject
 from cosim.errors import SetupError
 
-MODULES = ("archive", "description", "variables", "structure", "binary", "life", "steps", "state", "hygiene")
+MODULES = ("archive", "description", "variables", "structure", "opinion", "binary", "life", "steps", "state", "hygiene")
 """Modules of rules, in the order in which they are applied."""
 
 TIME_LIMIT = 10.0
@@ -171,23 +171,23 @@ class _Work:
             if rule.stage != "behaviour":
                 return Outcome(rule, tuple(rule.apply(self.subject)))
             return Outcome(rule, tuple(self.processes.ask(self._question(rule))))
-        except NotApplicable as reason:
+        except NotApplicableError as reason:
             return Outcome(rule, reason=str(reason))
 
     def _see_needs(self, rule: Rule, done: dict[str, Outcome]) -> None:
         for need in rule.needs:
             if done[need].reason:
-                raise NotApplicable(done[need].reason)
+                raise NotApplicableError(done[need].reason)
             if done[need].findings:
-                raise NotApplicable(f"see {need}")
+                raise NotApplicableError(f"see {need}")
         if rule.last and any(done[name].findings for name in done if done[name].rule.stage == rule.stage):
-            raise NotApplicable("other rules found enough")
+            raise NotApplicableError("other rules found enough")
 
     def _question(self, rule: Rule) -> Question:
         if self._extracted is None:
             self._extracted = self._extract()
         if self._extracted:
-            raise NotApplicable(self._extracted)
+            raise NotApplicableError(self._extracted)
         assert self.subject.description is not None
         return Question(rule.id, self.subject.description, self.folder, self.time_limit)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from cosim.conformance.description import described
 from cosim.conformance.reading import FLOATS, INTEGERS, Variable, number
-from cosim.conformance.rule import NotApplicable, rule
+from cosim.conformance.rule import NotApplicableError, rule
 from cosim.conformance.subject import Subject
 
 _VARIABLES = "2.0 §2.2.7; 3.0 §2.4.7"
@@ -241,7 +241,7 @@ def units(fmu: Subject) -> Iterator[str]:
 def units_defined(fmu: Subject) -> Iterator[str]:
     found = described(fmu)
     if not found.units:
-        raise NotApplicable("no units are declared")
+        raise NotApplicableError("no units are declared")
     used = {v.unit for v in found.variables}
     for unit in found.units:
         if unit.name in used and not unit.defined:
@@ -275,7 +275,7 @@ def derivatives(fmu: Subject) -> Iterator[str]:
     found = described(fmu)
     variables = [v for v in found.variables if v.derivative is not None]
     if not variables:
-        raise NotApplicable("no variable is declared as a derivative")
+        raise NotApplicableError("no variable is declared as a derivative")
     for v in variables:
         state = found.target(v.derivative)
         if state is None:
