@@ -117,7 +117,8 @@ def description(fmu: Subject) -> Iterator[str]:
 )
 def stray(fmu: Subject) -> Iterator[str]:
     known = ROOT[_standard(fmu)]
-    for name in dict.fromkeys(path.parts[0] for path in fmu.files if path.parts):
+    inside = (path for path, member in fmu.files.items() if path.parts and not leaves(member.orig_filename))
+    for name in dict.fromkeys(path.parts[0] for path in inside):
         if name not in known and not LITTER.search(name) and name.lower() != DESCRIPTION.lower():
             yield f"{name}: expected one of {', '.join(sorted(known))} in the root, got an unknown entry"
     for path in fmu.files:

@@ -23,8 +23,8 @@ is merely wise a warning. The exit code is 0 where there are no errors, 1 where 
 warnings), 2 for wrong use and missing files. `--json FILE` writes the same for machines, `--json -` to standard output.
 
 Rules of the groups binary, life, steps, state and hygiene run the FMU: each in a process of its own, with a limit of
-{TIME_LIMIT:g} s (`--time-limit`), so that a crash or a hang is a finding of the rule that met it. They need Linux or macOS
-and a library for this machine. It runs with the rights of whoever calls it: a process of its own is no sandbox.
+{TIME_LIMIT:g} s (`--time-limit`), so that a crash or a hang is a finding of the rule that met it. They need Linux or
+macOS and a library for this machine. It runs with the rights of whoever calls it: a process of its own is no sandbox.
 
 Runs have at most 20 steps of the default experiment's size. Real inputs move by a tenth around their start value. Where
 a rule rests on another that failed, it is not applicable and names it. FMUs with clocks, which need event mode, are

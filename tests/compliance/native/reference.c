@@ -66,6 +66,7 @@ typedef struct {
 
 static const double internal_step = 0.1;
 static int alive; /* instances */
+static void *volatile leaked;
 
 static Status fail(const Model *it, const char *message)
 {
@@ -139,7 +140,7 @@ static void leave_behind(Model *it)
         __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040);
 #endif
     if (faulty("memory"))
-        memset(malloc(8192), 1, 8192);
+        memset(leaked = malloc(8192), 1, 8192);
     if (faulty("descriptor"))
         (void)!fopen("/dev/null", "r");
 }
