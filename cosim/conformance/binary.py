@@ -11,7 +11,7 @@ from cosim.conformance.bench import Bench
 from cosim.conformance.rule import rule
 from cosim.conformance.slave import Library2, Library3, library_path
 
-LOADED = ("binary.loads", "binary.symbols")
+LOADED = ("binary.loads",)
 """What rules need that call the FMU."""
 
 
@@ -37,7 +37,7 @@ def symbols(bench: Bench) -> Iterator[str]:
     path = library_path(bench.description, bench.folder)
     with chdir(path.parent):
         library = ctypes.CDLL(str(path))
-    expected = {2: Library2, 3: Library3}[bench.description.standard].functions()
+    expected = {2: Library2, 3: Library3}[bench.description.standard].prototypes()
     missing = [name for name in expected if not hasattr(library, name)]
     if missing:
         more = f" and {len(missing) - 5} more" if len(missing) > 5 else ""

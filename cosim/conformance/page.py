@@ -60,8 +60,8 @@ Seen with the FMUs at hand; each finding was looked up in the standard.
   for each instance); warnings of `life.token`, `life.call-order` and `life.fixed`. All are of pythonfmu's library,
   which answers these calls itself or has no way to refuse.
 - **Raw pythonfmu** (`examples/foreign`, `examples/controllers`): as above, and `steps.stop-time`, `steps.backward`,
-  `structure.initial-unknowns` (outputs are not listed), in Cabin also `variables.combinations` (parameters without a
-  variability, which makes them continuous).
+  `structure.initial-unknowns` (outputs are not listed); in the foreign ones also `variables.combinations` (parameters
+  without a variability, which makes them continuous).
 - **Raw pythonfmu3** (`examples/foreign`): `steps.stop-time`; in Chair `steps.time`, as its independent variable stays
   at 0. Warnings of `archive.sources` (the Python script lies in `sources`, without a buildDescription.xml),
   `life.token`, `life.call-order`, `steps.backward`.

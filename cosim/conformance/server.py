@@ -23,6 +23,7 @@ from cosim.conformance import suite
 from cosim.conformance.bench import Bench
 from cosim.conformance.process import Answer, Question
 from cosim.conformance.rule import RULES, NotApplicableError
+from cosim.conformance.slave import Library2, Library3
 from cosim.errors import CosimError
 
 
@@ -100,6 +101,8 @@ def _fate(question: Question, status: int, hung: bool) -> str:
 def main() -> None:
     """Serve the connection whose file descriptor is the first argument."""
     suite.load_rules()
+    for library in (Library2, Library3):
+        library.prototypes()  # once for all children
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     connection = Connection(int(sys.argv[1]))
     with tempfile.TemporaryDirectory() as scratch, suppress(EOFError, OSError):

@@ -1,14 +1,19 @@
 """Instances of an FMU, called function by function: what a rule asks comes back as a status, to be judged by the rule.
 
 :class:`cosim.instance.Instance` is for those who want to run an FMU and hear of what goes wrong; here calls are made
-that are wrong on purpose. fmpy loads the library and knows the functions' prototypes.
+that are wrong on purpose, and a library need not be complete. fmpy knows the functions' prototypes.
 """
 
 from __future__ import annotations
 
 import ctypes
+import inspect
+import types
+import typing
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
+from contextlib import chdir
+from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -18,6 +23,7 @@ from fmpy.fmi3 import FMU3Slave, fmi3IntermediateUpdateCallback, fmi3LogMessageC
 from fmpy.logging import addLoggerProxy
 
 from cosim.conformance.reading import INTEGERS, Description, Variable
+from cosim.conformance.rule import NotApplicableError
 from cosim.errors import CosimError
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
@@ -28,6 +34,13 @@ Values = tuple[Any, ...]
 
 class RefusedError(CosimError):
     """A call that should have gone well did not."""
+
+
+def _c_type(annotation: Any) -> Any:
+    """Return the C type of an argument as fmpy annotates it."""
+    if isinstance(annotation, types.UnionType):
+        annotation = typing.get_args(annotation)[0]
+    return {bytes: ctypes.c_char_p, int: ctypes.c_int}.get(annotation, annotation)
 
 
 class Step(NamedTuple):
@@ -77,26 +90,44 @@ class Library(ABC):
         self.description = description
         self.folder = folder
         self.said: list[str] = []
-        self._loaded = self.SLAVE(
-            guid=description.token,
-            modelIdentifier=description.identifier,
-            unzipDirectory=str(folder),
-            instanceName="it",
-        )
-        self.dll = self._loaded.dll
+        self._functions: dict[str, Any] = {}
+        path = library_path(description, folder)
+        with chdir(path.parent):  # as some expect, to find what comes with them
+            self._library = ctypes.CDLL(str(path))
         self._prepare()
 
     @classmethod
-    def functions(cls) -> list[str]:
-        """Return the names of all functions of the standard for co-simulation."""
-        return sorted(name for name in dir(cls.SLAVE) if name.startswith(cls.PREFIX))
+    @cache
+    def prototypes(cls) -> dict[str, tuple[list[Any], Any]]:
+        """Return all functions of the standard for co-simulation: types of arguments and of what is returned."""
+        found = {}
+        for name, function in inspect.getmembers(cls.SLAVE, inspect.isfunction):
+            if name.startswith(cls.PREFIX):
+                signature = inspect.signature(function)
+                arguments = [_c_type(p.annotation) for p in list(signature.parameters.values())[1:]]
+                found[name] = arguments, _c_type(signature.return_annotation)
+        return found
 
     def _prepare(self) -> None:  # noqa: B027
         """Make what all instances share."""
 
     def function(self, name: str) -> Any:
-        """Return a function by its name without the prefix."""
-        return getattr(self.dll, self.PREFIX + name)
+        """Return a function by its name without the prefix.
+
+        Raises
+        ------
+        NotApplicableError
+            If the library does not have it, which one rule tells for all.
+        """
+        if name not in self._functions:
+            full = self.PREFIX + name
+            try:
+                function = getattr(self._library, full)
+            except AttributeError:
+                raise NotApplicableError(f"the library has no {full}") from None
+            function.argtypes, function.restype = self.prototypes()[full]
+            self._functions[name] = function
+        return self._functions[name]
 
     @property
     def resources(self) -> Path:
@@ -248,7 +279,7 @@ def library_path(description: Description, folder: Path) -> Path:
 
 
 def load(description: Description, folder: Path) -> Library:
-    """Load an FMU's library; parameters as those of :class:`Library`, exceptions as fmpy's."""
+    """Load an FMU's library; parameters as those of :class:`Library`, OSError if it cannot be loaded."""
     return {2: Library2, 3: Library3}[description.standard](description, folder)
 
 

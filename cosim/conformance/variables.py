@@ -105,6 +105,7 @@ def references(fmu: Subject) -> Iterator[str]:
     stage="description",
 )
 def combinations(fmu: Subject) -> Iterator[str]:
+    standard = described(fmu).standard
     for v in described(fmu).variables:
         legal = LEGAL.get((v.causality, v.variability))
         origin = "" if "variability" in v.given else " by default"
@@ -114,6 +115,8 @@ def combinations(fmu: Subject) -> Iterator[str]:
             yield f"{v}: expected another variability of a {v.type}, got continuous{origin}"
         elif legal is None:
             yield f"{v}: expected a variability that fits {v.causality}, got {v.variability}{origin}"
+        elif standard == 2 and v.causality == "input" and "initial" in v.given:
+            yield f"{v}: expected no initial of an input in FMI 2.0, got {v.initial}"
         elif v.initial not in legal:
             expected = " or ".join(str(initial or "no initial") for initial in legal)
             yield f"{v}: expected {expected} for {v.causality} and {v.variability}, got initial {v.initial}"

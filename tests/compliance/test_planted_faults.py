@@ -104,6 +104,13 @@ DESCRIPTIONS = [
     ),
     (
         "variables.combinations",
+        "dahlquist",
+        2,
+        ('causality="input"', 'causality="input" initial="exact"'),
+        "no initial of an input in FMI 2.0",
+    ),
+    (
+        "variables.combinations",
         "feedthrough",
         3,
         (
