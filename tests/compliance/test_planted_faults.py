@@ -392,7 +392,8 @@ BEHAVIOUR = [
 def test_fault_in_the_library(
     workshop: Workshop, processes: Processes, rule: str, model: str, fmi: int, fault: str, message: str
 ):
-    findings = validate(workshop.make(model, fmi, fault), processes=processes).findings
+    skip = {"hygiene.memory"} - {rule}  # the slowest, and on good FMUs elsewhere
+    findings = validate(workshop.make(model, fmi, fault), processes=processes, skip=skip).findings
     assert {finding.rule for finding in findings} == {rule}, findings
     assert message in findings[0].message
 
