@@ -227,7 +227,7 @@ def sources(fmu: Subject) -> Iterator[str]:
             return
         listed = tuple(_listed(fmu))
     for name in listed:
-        if name not in found:
+        if str(PurePosixPath(name)) not in found:
             yield f"{where}: expected files in sources, got {name}, which is not there"
 
 

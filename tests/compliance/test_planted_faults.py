@@ -279,6 +279,15 @@ def test_fault_in_the_archive(
     assert message in found[rule][0]
 
 
+def test_sources_may_be_listed_in_any_notation(workshop: Workshop):
+    files = '<SourceFiles><File name="./gc/pool.c"/></SourceFiles></CoSimulation>'
+    change = ('canSerializeFMUstate="true"/>', f'canSerializeFMUstate="true">{files}')
+    assert found_in(workshop.make("stair", xml=replaced(change), archive=_with("sources/gc/pool.c"))) == {}
+    assert list(found_in(workshop.make("stair", xml=replaced(change), archive=_with("sources/pool.c")))) == [
+        "archive.sources"
+    ]
+
+
 def rewritten(path: Path, change: Callable[[zipfile.ZipFile, zipfile.ZipFile], None]) -> Path:
     """Write an archive anew, with what only its lower level allows."""
     content = path.read_bytes()
