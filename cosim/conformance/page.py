@@ -65,9 +65,9 @@ Seen with the FMUs at hand; each finding was looked up in the standard.
 - **Raw pythonfmu3** (`examples/foreign`): `steps.stop-time`; in Chair `steps.time`, as its independent variable stays
   at 0. Warnings of `archive.sources` (the Python script lies in `sources`, without a buildDescription.xml),
   `life.token`, `life.call-order`, `steps.backward`.
-- **Six FMI 2.0 FMUs of OpenModelica 1.19** (those that gemseo-fmu 3.1.1 carries): `life.free-null` (freeing a null
-  pointer crashes), `hygiene.memory` (4 to 11 KiB for each instance); in one of them `life.start-values` (an output said
-  to begin at exactly -0.5 begins at 0) and `variables.names-legal` (`der(der(s))`, where the convention has
+- **Six FMI 2.0 FMUs of OpenModelica 1.19 to 1.21** (those that gemseo-fmu 3.1.1 carries): `life.free-null` (freeing a
+  null pointer crashes), `hygiene.memory` (4 to 11 KiB for each instance); in one of them `life.start-values` (an output
+  said to begin at exactly -0.5 begins at 0) and `variables.names-legal` (`der(der(s))`, where the convention has
   `der(s, 2)`). Warnings of `life.fixed`, `steps.backward`, `archive.stray`.
 - **Four FMUs of crane-fmu 0.2.0** (pythonfmu, FMI 2.0): a warning of `structure.dependencies-told`. They need Python
   packages that were not there, and say so: their behaviour is not applicable.

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from cosim.conformance.reading import Description
 from cosim.conformance.rule import Finding, NotApplicableError
+from cosim.errors import RunError
 
 _SERVER = "from cosim.conformance.server import main; main()"
 
@@ -75,12 +76,17 @@ class Processes:
         ------
         NotApplicableError
             If the FMU gives it nothing to look at, or this system has no way to fork.
+        RunError
+            If the server itself is gone.
         """
         if os.name != "posix":
             raise NotApplicableError(f"rules of behaviour need Linux or macOS, this is {sys.platform}")
         connection = self._connection or self._start()
-        connection.send(question)
-        answer: Answer = connection.recv()
+        try:
+            connection.send(question)
+            answer: Answer = connection.recv()
+        except (EOFError, OSError):
+            raise RunError(f"{question.rule}: expected an answer, but the process that runs FMUs has ended") from None
         if answer.reason:
             raise NotApplicableError(answer.reason)
         return answer.findings

@@ -10,7 +10,7 @@ from typing import Any
 
 from lxml import etree
 
-from cosim.archives import check_archive
+from cosim.archives import check_archive, size_problems
 from cosim.conformance.reading import Description, describe
 from cosim.errors import SetupError
 from cosim.mending import DESCRIPTION
@@ -62,7 +62,9 @@ class Subject:
 
     @cached_property
     def text(self) -> bytes | None:
-        """The description's bytes; None where it is missing or cannot be read."""
+        """The description's bytes; None where it is missing, cannot be read, or may have no end."""
+        if any(size_problems(self.members)):
+            return None
         try:
             assert self.archive is not None
             return self.archive.read(DESCRIPTION)

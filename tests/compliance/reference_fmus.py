@@ -127,9 +127,7 @@ def _structure(fmi: int, rows: tuple[tuple[str, int, str, str, str, str], ...], 
             if "exact" not in outer:
                 found["InitialUnknown"].append(f'{key}="{place[name]}"{depends}')
         if "derivative" in inner:
-            found["Derivative"].append(
-                f'{key}="{place[name]}" dependencies="{place["x"]} {place["k"]}"'.replace(f' {place["k"]}"', '"')
-            )
+            found["Derivative"].append(f'{key}="{place[name]}" dependencies="{place["x"]}"')
             found["InitialUnknown"].append(f'{key}="{place[name]}" dependencies="{place["x"]} {place["k"]}"')
     if fmi == 3:
         elements = {"Derivative": "ContinuousStateDerivative"}

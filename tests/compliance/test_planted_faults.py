@@ -14,6 +14,7 @@ from reference_fmus import Workshop
 
 from cosim.conformance.process import Processes
 from cosim.conformance.suite import load_rules, validate
+from cosim.errors import RunError
 
 FILES_ONLY = [rule.id for rule in load_rules().values() if rule.stage != "behaviour"]
 SUFFIX = fmpy.sharedLibraryExtension
@@ -413,6 +414,17 @@ def test_a_hang_is_a_finding(workshop: Workshop, processes: Processes):
         ("life.sequence", "expected an end within 0.5 s, the FMU hung")
     ]
     assert found.outcomes["life.reset"].reason == "see life.sequence"
+
+
+def test_the_end_of_the_process_that_runs_fmus_is_told(workshop: Workshop):
+    path = workshop.make()
+    with Processes() as own:
+        validate(path, processes=own, only=["binary.loads"])
+        own._process.kill()
+        with pytest.raises(
+            RunError, match="binary.loads: expected an answer, but the process that runs FMUs has ended"
+        ):
+            validate(path, processes=own, only=["binary.loads"])
 
 
 def test_a_missing_function(workshop: Workshop, processes: Processes):
