@@ -42,7 +42,7 @@ def check_archive(archive: zipfile.ZipFile, where: Path) -> None:
         too large; with the members' names. What a member declares to be its size is more than it can be extracted to.
     """
     members = archive.infolist()
-    problems = [f"{where}: {problem}" for problem in (*_problems(members), *_size(members))]
+    problems = [f"{where}: {problem}" for problem in (*_problems(members), *size_problems(members))]
     if problems:
         more = [f"{where}: {len(problems) - _TOLD} more problems"] if len(problems) > _TOLD else []
         raise SetupError(*problems[:_TOLD], *more)
@@ -81,7 +81,8 @@ def _problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
             yield f"member {name!r}: expected it once, got it several times"
 
 
-def _size(members: list[zipfile.ZipInfo]) -> Iterator[str]:
+def size_problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
+    """Tell what is wrong with the size of what an archive holds, as it declares it."""
     if not members:
         return
     size = sum(member.file_size for member in members)

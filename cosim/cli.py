@@ -28,6 +28,7 @@ from cosim.cli_seat import (
     observer_option,
 )
 from cosim.cli_simulate import simulate
+from cosim.cli_validate import validate_command
 from cosim.console import command_line, conclude, console, progress_shown
 from cosim.errors import CosimError, RunError, SetupError, writing_to
 from cosim.model import Value
@@ -116,6 +117,7 @@ app.add_command(evaluate)
 app.add_command(reproduce)
 app.add_command(rerun)
 app.add_command(simulate)
+app.add_command(validate_command)
 
 
 @app.command()

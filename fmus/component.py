@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from fmus.variables import TIME, Terminal, Variable, variables_of
@@ -52,6 +52,7 @@ class StateField(NamedTuple):
     used: str | None = None
 
 
+@cache
 def state_fields(state: type) -> tuple[StateField, ...]:
     """Read the fields of a state class.
 
@@ -136,6 +137,9 @@ class Component:
     terminals: tuple[Terminal, ...] = ()
     resources: Callable[[], Mapping[str, bytes]] = dict
     sample_time: float | None = None
+
+    def __post_init__(self) -> None:
+        state_fields(self.state)  # while its module can be looked up, which in a Python FMU is while it is imported
 
     @cached_property
     def variables(self) -> tuple[Variable, ...]:

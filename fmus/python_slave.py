@@ -50,6 +50,7 @@ class ComponentSlave(Fmi2Slave):
         self._output_values = attrgetter(*(v.field for v in self._variables[self._slices["output"]]))
         self._phase = "instantiated"
         self._time = 0.0
+        self._stop_time = math.inf
         self._state: Any = None
         self._coefficients: Any = None
         self._outputs_due = True
@@ -170,7 +171,8 @@ class ComponentSlave(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
-        """Take the start time, in s."""
+        """Take the start time, and the stop time if there is one, both in s."""
+        self._stop_time = math.inf if stop_time is None else stop_time
         if abs(start_time) <= LATEST_TIME:
             self._time = self._values[0] = start_time
         else:
@@ -234,6 +236,9 @@ class ComponentSlave(Fmi2Slave):
         if not 0.0 < step_size <= LONGEST_STEP:
             expected = f"expected a step size above 0 and up to {LONGEST_STEP:g} s"
             return self._refuse_step(current_time, f"{expected}, got {step_size} s")
+        if current_time + step_size > self._stop_time + SAME_TIME * max(1.0, abs(self._stop_time)):
+            expected = f"expected a step to the stop time {self._stop_time} s at most"
+            return self._refuse_step(current_time, f"{expected}, got one to {current_time + step_size} s")
         if problem := self._prepare():
             return self._refuse_step(current_time, problem)
         try:

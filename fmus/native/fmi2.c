@@ -3,6 +3,8 @@
 
 #include "instance.h"
 
+#include <math.h>
+
 #ifdef __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard's signatures say more than a function needs */
 #endif
@@ -68,7 +70,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
-    return (fmi2Status)instance_set_up(c, __func__, startTime);
+    return (fmi2Status)instance_set_up(c, __func__, startTime, stopTimeDefined ? stopTime : INFINITY);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)

@@ -3,6 +3,8 @@
 
 #include "instance.h"
 
+#include <math.h>
+
 #ifdef __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard's signatures say more than a function needs */
 #endif
@@ -99,7 +101,7 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, siz
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
-    const Status status = instance_set_up(instance, __func__, startTime);
+    const Status status = instance_set_up(instance, __func__, startTime, stopTimeDefined ? stopTime : INFINITY);
     return (fmi3Status)(status == STATUS_OK ? instance_enter_initialisation(instance, __func__) : status);
 }
 

@@ -158,6 +158,7 @@ static void start_anew(Instance *it)
     for (size_t i = 0; i < VARIABLE_COUNT; ++i) {
         it->values[i] = variables[i].start;
     }
+    it->stop_time = INFINITY;
     it->phase = PHASE_INSTANTIATED;
     it->prepared = it->warned = false;
     it->outputs_due = true;
@@ -195,7 +196,7 @@ void instance_free(Instance *it)
     free(it);
 }
 
-Status instance_set_up(Instance *it, const char *function, double start_time)
+Status instance_set_up(Instance *it, const char *function, double start_time, double stop_time)
 {
     if (check_call(it, function, CALL_SET_UP) != STATUS_OK) {
         return STATUS_ERROR;
@@ -205,6 +206,7 @@ Status instance_set_up(Instance *it, const char *function, double start_time)
                              start_time);
     }
     it->values[0] = start_time;
+    it->stop_time = stop_time;
     it->outputs_due = true;
     return STATUS_OK;
 }
@@ -296,6 +298,10 @@ static Status check_step(Instance *it, const char *function, double time, double
     if (!(step_size > 0.0 && step_size <= LONGEST_STEP)) {
         return instance_fail(it, function, "expected a step size above 0 and up to %.10g s, got %.10g s at t = %.10g s",
                              LONGEST_STEP, step_size, time);
+    }
+    if (time + step_size > it->stop_time + SAME_TIME * fmax(1.0, fabs(it->stop_time))) {
+        return instance_fail(it, function, "expected a step to the stop time %.10g s at most, got one to %.10g s",
+                             it->stop_time, time + step_size);
     }
     return check_finite(it, function, STATUS_ERROR, it->values, FIRST_INPUT, INPUT_COUNT);
 }

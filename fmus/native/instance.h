@@ -37,6 +37,7 @@ struct Instance {
     unsigned categories; /* bit of each category that is logged */
     Phase phase;
     double values[VARIABLE_COUNT]; /* by value reference; the first is the time reached, in s */
+    double stop_time;              /* past which no step may go, in s; the host's, so no part of a state */
     char texts[TEXTS_SIZE];        /* one after the other, each in as much room */
     char resources[TEXT_SIZE];     /* folder of the FMU's resources, empty where the host has told none */
     ModelState state;
@@ -63,7 +64,8 @@ Status instance_unsupported(const Instance *it, const char *function, const char
 Status instance_set_logging(Instance *it, const char *function, bool on, size_t count, const char *const names[]);
 
 /* The life cycle; times in s. */
-Status instance_set_up(Instance *it, const char *function, double start_time);
+/* The stop time is infinite where the host has none. */
+Status instance_set_up(Instance *it, const char *function, double start_time, double stop_time);
 Status instance_enter_initialisation(Instance *it, const char *function);
 Status instance_exit_initialisation(Instance *it, const char *function);
 Status instance_step(Instance *it, const char *function, double time, double step_size);

@@ -1,0 +1,95 @@
+"""The rules as a page of tables: ``python -m cosim.conformance.page > docs/validate.md``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cosim.conformance.rule import Rule
+from cosim.conformance.suite import MODULES, TIME_LIMIT, load_rules
+
+PATH = "docs/validate.md"
+"""Where the page lies in the repository."""
+
+_HEAD = f"""# Checking FMUs
+
+`seat-cosim validate FILE.fmu` applies these rules to any FMU for co-simulation, FMI 2.0 or 3.0, whoever made it:
+
+    seat-cosim validate Foreign.fmu
+    seat-cosim validate --strict --json report.json *.fmu
+    seat-cosim validate --rule life.reset --full Foreign.fmu
+
+Each rule gets a row: passed, FAILED, warning, or not applicable and why. What the standard demands is an error, what
+is merely wise a warning. The exit code is 0 where there are no errors, 1 where there are (with `--strict` also for
+warnings), 2 for wrong use and missing files. `--json FILE` writes the same for machines, `--json -` to standard output.
+
+Rules of the groups binary, life, steps, state and hygiene run the FMU: each in a process of its own, with a limit of
+{TIME_LIMIT:g} s (`--time-limit`), so that a crash or a hang is a finding of the rule that met it. They need Linux or
+macOS and a library for this machine. It runs with the rights of whoever calls it: a process of its own is no sandbox.
+
+Runs have at most 20 steps of the default experiment's size. Real inputs move by a tenth around their start value. Where
+a rule rests on another that failed, it is not applicable and names it. FMUs with clocks, which need event mode, are
+checked as far as their files go.
+
+The page is written by `python -m cosim.conformance.page > {PATH}`. Clauses are those of FMI 2.0 and 3.0.
+"""
+
+_NO_CLAUSE = {"error": "safety", "warning": "wise"}
+
+_TITLES = {
+    "archive": "The archive",
+    "description": "The description",
+    "variables": "Variables",
+    "structure": "The model structure",
+    "opinion": "A second opinion",
+    "binary": "The library",
+    "life": "The life of an instance",
+    "steps": "Steps and values",
+    "state": "The state",
+    "hygiene": "Manners",
+}
+
+_FOREIGN = """
+## What it found
+
+Seen with the FMUs at hand; each finding was looked up in the standard.
+
+- **The native FMUs of this repository**: nothing. When the suite was first run, they did not refuse a step past the
+  announced stop time, and the Python flavours of seat and shaker could not set a state outside this repository. Both
+  are mended.
+- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `hygiene.memory` (5 KiB
+  for each instance); warnings of `life.token`, `life.call-order` and `life.fixed`. All are of pythonfmu's library,
+  which answers these calls itself or has no way to refuse.
+- **Raw pythonfmu** (`examples/foreign`, `examples/controllers`): as above, and `steps.stop-time`, `steps.backward`,
+  `structure.initial-unknowns` (outputs are not listed); in the foreign ones also `variables.combinations` (parameters
+  without a variability, which makes them continuous).
+- **Raw pythonfmu3** (`examples/foreign`): `steps.stop-time`; in Chair `steps.time`, as its independent variable stays
+  at 0. Warnings of `archive.sources` (the Python script lies in `sources`, without a buildDescription.xml),
+  `life.token`, `life.call-order`, `steps.backward`.
+- **Six FMI 2.0 FMUs of OpenModelica 1.19 to 1.21** (those that gemseo-fmu 3.1.1 carries): `life.free-null` (freeing a
+  null pointer crashes), `hygiene.memory` (4 to 11 KiB for each instance); in one of them `life.start-values` (an output
+  said to begin at exactly -0.5 begins at 0) and `variables.names-legal` (`der(der(s))`, where the convention has
+  `der(s, 2)`). Warnings of `life.fixed`, `steps.backward`, `archive.stray`.
+- **Four FMUs of crane-fmu 0.2.0** (pythonfmu, FMI 2.0): a warning of `structure.dependencies-told`. They need Python
+  packages that were not there, and say so: their behaviour is not applicable.
+"""
+
+
+def page() -> str:
+    """Write the page."""
+    rules = load_rules().values()
+    parts = [_HEAD]
+    for module in MODULES:
+        chosen = [rule for rule in rules if rule.id.partition(".")[0] == module]
+        parts.append("\n".join([f"\n## {_TITLES[module]}\n", *_table(chosen)]) + "\n")
+    return "".join((*parts, _FOREIGN))
+
+
+def _table(rules: list[Rule]) -> Iterator[str]:
+    yield "| rule | what holds | severity | clause |"
+    yield "| --- | --- | --- | --- |"
+    for rule in rules:
+        yield f"| `{rule.id}` | {rule.title} | {rule.severity} | {rule.clause or _NO_CLAUSE[rule.severity]} |"
+
+
+if __name__ == "__main__":
+    print(page(), end="")
