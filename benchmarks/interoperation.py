@@ -1,4 +1,4 @@
-"""One SSP file in several masters: ``python benchmarks/interoperation.py [FILE.ssp] [FIGURE.svg]``.
+"""One SSP file in several masters: ``python benchmarks/interoperation.py [FILE.ssp] [FIGURE.png]``.
 
 Prints the numbers of docs/interoperation.md and draws its figure: the paper's bump, this master in its sequential order
 against masters that exchange all values at once.

@@ -2,8 +2,8 @@
 
     python benchmarks/soak.py [HOURS [FMUS [FIGURE]]]
 
-Prints the numbers of docs/reliability.md and draws its figure: whether memory stays flat, time exact, the cost of a step
-what it was, and the motion stationary.
+Prints the numbers of docs/reliability.md and draws its figure: whether memory stays flat, time exact, the cost of a
+step what it was, and the motion stationary.
 """
 
 from __future__ import annotations
@@ -52,6 +52,10 @@ class Soak(NamedTuple):
     resident: Array
     result: Result
 
+    def time_error(self) -> float:
+        """Largest difference in s of a row's time and its number's multiple of the step size."""
+        return float(np.abs(self.result.time - np.arange(len(self.result.time)) * EVERY * STEP_SIZE).max())
+
     def step_costs(self, stretch: float) -> Array:
         """CPU time of a step in us, over each stretch of so many simulated s."""
         ends = np.arange(0.0, self.times[-1] + 0.5 * stretch, stretch)
@@ -66,8 +70,8 @@ class Soak(NamedTuple):
     def predicted_scatter(self, signal: str, stretch: float) -> float:
         """Relative standard deviation of such a root mean square of Gaussian noise with the signal's spectrum.
 
-        1/(2 sqrt(B T)), B = (int G)^2 / int G^2 being the bandwidth of the recorded samples; the square of the periodogram
-        is on average twice that of the spectrum.
+        1/(2 sqrt(B T)), B = (int G)^2 / int G^2 being the bandwidth of the recorded samples; the square of the
+        periodogram is on average twice that of the spectrum.
         """
         values = self.result[signal] - self.result[signal].mean()
         periodogram = np.abs(np.fft.rfft(values)[1:]) ** 2
@@ -138,15 +142,14 @@ def main() -> None:
     stretch = HOUR if hours > 2.0 else hours * HOUR / 10.0
     with TemporaryDirectory() as folder, progress_shown("soaking") as report:
         found = soak(fmus, hours * HOUR, Path(folder), report)
-    rows, last = len(found.result.time), float(found.result.time[-1])
-    print(f"{round(last / STEP_SIZE)} steps, {rows} rows, last at {last!r} s, CPU time {found.cpu[-1] - found.cpu[0]:.1f} s")
-    exact = np.append(np.arange(rows - 1) * EVERY, round(hours * HOUR / STEP_SIZE)) * STEP_SIZE
-    print(f"largest error of a row's time: {np.abs(found.result.time - exact).max()} s")
-    settled = found.resident[found.times > stretch]
-    print(f"resident: {settled[0] / 1e6:.2f} MB after the first stretch, {settled[-1] / 1e6:.2f} MB at the end, ", end="")
-    print(f"most {settled.max() / 1e6:.2f} MB")
+    times, spent = found.result.time, found.cpu[-1] - found.cpu[0]
+    print(f"{round(times[-1] / STEP_SIZE)} steps, {len(times)} rows, last at {times[-1]!r} s, CPU time {spent:.1f} s")
+    print(f"largest error of a row's time: {found.time_error()} s")
+    settled = found.resident[found.times > stretch] / 1e6
+    print(f"resident: {settled[0]:.2f} MB after the first stretch, {settled[-1]:.2f} MB at the end", end=", ")
+    print(f"most {settled.max():.2f} MB")
     costs = found.step_costs(stretch)
-    print(f"CPU time of a step: first {costs[0]:.3f} us, last {costs[-1]:.3f} us, ", end="")
+    print(f"CPU time of a step: first {costs[0]:.3f} us, last {costs[-1]:.3f} us", end=", ")
     print(f"mean {costs.mean():.3f} us, standard deviation {costs.std(ddof=1):.3f} us of {len(costs)} stretches")
     for name, unit in WATCHED.items():
         values = found.rms(name, stretch)
