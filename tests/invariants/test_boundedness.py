@@ -195,7 +195,7 @@ wild = st.fixed_dictionaries(
 """Gains with which the linear loop is most often unstable: the demand may grow until it overflows and the run ends."""
 
 
-@examples(15, 1_000)
+@examples(15, 500)
 def test_no_gains_and_no_delay_lead_beyond_the_proven_bounds(session: Session, count: int):
     def check(mass: float, delay: float, gains: dict[str, Value], floor: dict[str, Value]) -> None:
         result = ride(session, mass, delay, floor, gains)
@@ -254,14 +254,14 @@ def check_certified(session: Session, design: Design, mass: float, share: float,
         assert largest(result, "driver_acceleration", since=STOP - 2.0) <= LEFT
 
 
-@examples(40, 2_000)
+@examples(40, 1_000)
 def test_up_to_the_certified_delay_the_loop_stays_bounded_and_comes_to_rest(session: Session, count: int):
     floors = st.one_of(coming_to_rest, going_on)
     given = {"design": designs, "mass": masses, "share": shares, "floor": floors}
     for_all(count, lambda **values: check_certified(session, **values), **given)
 
 
-@examples(10, 300)
+@examples(10, 200)
 def test_the_floor_that_searches_for_the_worst_finds_nothing_worse(session: Session, tmp_path: Path, count: int):
     def check(design: Design, mass: float, share: float) -> None:
         floor = searching_floor(design, mass, share * certified_delay(design, mass), tmp_path / "floor.csv")

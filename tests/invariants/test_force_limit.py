@@ -90,6 +90,6 @@ def check_fmu(controller: Driven, given: dict[str, float], history: list[tuple[f
     controller.end()
 
 
-@examples(40, 2_000)
+@examples(40, 1_000)
 def test_the_fmus_force_stays_within_any_limit(controller: Driven, count: int):
     for_all(count, lambda given, history: check_fmu(controller, given, history), given=parameters, history=histories)

@@ -4,15 +4,16 @@ h_1 is Lipschitz continuous in the mass, across the clamps as well, as clamping 
 
     |dh_1/dm| <= (1/M_min^2)/(1/M_min - 1/M_max) = M_max/(M_min (M_max - M_min)) =: s        (0.042 1/kg by default).
 
-Gains are affine in h_1, so |dK| <= |K_1 - K_2| s, |dL| <= |L_1 - L_2| s, |dD| = |1/M_min - 1/M_max| s. Over the samples
-of one history of measurements the force follows by (21), (24), from F = 0 and u = 0 on, term by term:
+Gains are affine in h_1, so |dK| <= |K_1 - K_2| s, |dL| <= |L_1 - L_2| s, |dD| = |1/M_min - 1/M_max| s. Over one
+history of measurements x = (delta, v) and a, the law (24) gives |d(K x)| <= |dK_x| |delta| + |dK_v| |v|. The observer
+(21), with q = -h L D between 0 and 1 and w the force it is told, is F_k = (1 - q) F_(k-1) + q w_(k-1) + h L (a + k_f D
+delta); w is u = K x + F, or with anti-windup u clipped, which brings no two forces further apart. So from F = 0 on
 
-    d|F_k| <= d|F_(k-1)| |1 + h L D| + h |L D| d|u_(k-1)| + h (|dL| (|a| + k_f |D delta| + |D| |u - F|)
-                                                                + |L dD| (k_f |delta| + |u - F|))
-    d|u_k| <= |dK_x| |delta| + |dK_v| |v| + d|F_k|
+    |dF_k| <= |dF_(k-1)| + q |d(K x_(k-1))|
+              + h |dL| (|a| + |D| (k_f |delta| + |w - F|)) + h |L dD| (k_f |delta| + |w - F|)
+    |du_k| <= |d(K x_k)| + |dF_k|
 
-with the largest |L|, |D|, and |u - F| = |K x| at either vertex; with anti-windup u_sat takes the place of u there,
-which is no further from F than u_lim + |F|. Clipping brings no two forces further apart.
+with the largest |L|, |D|, q, and |w - F| = |K x| at either vertex; clipped, w is no further from F than u_lim + |F|.
 """
 
 from __future__ import annotations
@@ -53,12 +54,12 @@ def check_memberships(ends: list[float], mass: float) -> None:
     assert h_1 + h_2 == 1.0
 
 
-@examples(200, 20_000)
+@examples(200, 5_000)
 def test_memberships_of_any_range_lie_in_the_unit_interval_and_sum_to_one(count: int):
     for_all(count, check_memberships, ends=ranges, mass=st.floats(1e-3, 1e9))
 
 
-@examples(200, 20_000)
+@examples(200, 5_000)
 def test_memberships_are_exact_at_the_vertices_of_any_range(count: int):
     def check(ends: list[float]) -> None:
         vertices = MassRange(*ends)
@@ -116,23 +117,20 @@ def bound(p: Parameters, history: list[Sample], steepness: float) -> float:
     K = [(abs(p.K1_deflection), abs(p.K1_rate)), (abs(p.K2_deflection), abs(p.K2_rate))]
     dK = abs(p.K1_deflection - p.K2_deflection) * steepness, abs(p.K1_rate - p.K2_rate) * steepness
     tau = prepare(p)
-    dF = du = F = gap = v = 0.0
+    q = H * L_most * D
+    assert q <= 1.0
+    dF = dKx = F = gap = v = 0.0
     previous = history[0].deflection
     for a, delta in history:
         v = tau.rate_decay * v + tau.rate_gain * (delta - previous)
         previous = delta
         measured = abs(a) + p.suspension_stiffness * D * abs(delta)
-        dF = (
-            (1.0 + H * L_most * D) * dF
-            + H * L_most * D * du
-            + H * dL * (measured + D * gap)
-            + H * L_most * dD * (p.suspension_stiffness * abs(delta) + gap)
-        )
+        dF += q * dKx + H * dL * (measured + D * gap) + H * L_most * dD * (p.suspension_stiffness * abs(delta) + gap)
         F += H * L_most * (measured + D * gap)
-        du = dK[0] * abs(delta) + dK[1] * abs(v) + dF
+        dKx = dK[0] * abs(delta) + dK[1] * abs(v)
         Kx = max(k * abs(delta) + c * abs(v) for k, c in K)
         gap = Kx + (min(p.force_limit, F + Kx) + F if p.anti_windup else 0.0)
-    return du
+    return dKx + dF
 
 
 def force(c: Coefficients, history: list[Sample]) -> float:
@@ -152,7 +150,7 @@ def check_force(p: Parameters, mass: float, further: float, history: list[Sample
     assert abs(one - other) <= bound(p, history, steepness(p)) * further + ROUNDING
 
 
-@examples(300, 20_000)
+@examples(300, 5_000)
 def test_the_force_is_lipschitz_continuous_in_the_drivers_mass(count: int):
     for_all(count, check_force, p=st.sampled_from(variants()), mass=drivers, further=apart, history=histories)
 
@@ -189,7 +187,7 @@ def force_of_fmu(controller: Driven, mass: float, history: list[Sample], **param
     return found
 
 
-@examples(20, 1_000)
+@examples(20, 500)
 def test_the_fmus_force_is_lipschitz_continuous_in_the_drivers_mass(controller: Driven, count: int):
     def check(mass: float, further: float, history: list[Sample]) -> None:
         p = Parameters()
