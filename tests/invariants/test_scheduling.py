@@ -54,12 +54,12 @@ def check_memberships(ends: list[float], mass: float) -> None:
     assert h_1 + h_2 == 1.0
 
 
-@examples(200, 5_000)
+@examples(100, 5_000)
 def test_memberships_of_any_range_lie_in_the_unit_interval_and_sum_to_one(count: int):
     for_all(count, check_memberships, ends=ranges, mass=st.floats(1e-3, 1e9))
 
 
-@examples(200, 5_000)
+@examples(100, 5_000)
 def test_memberships_are_exact_at_the_vertices_of_any_range(count: int):
     def check(ends: list[float]) -> None:
         vertices = MassRange(*ends)
@@ -150,7 +150,7 @@ def check_force(p: Parameters, mass: float, further: float, history: list[Sample
     assert abs(one - other) <= bound(p, history, steepness(p)) * further + ROUNDING
 
 
-@examples(300, 5_000)
+@examples(150, 5_000)
 def test_the_force_is_lipschitz_continuous_in_the_drivers_mass(count: int):
     for_all(count, check_force, p=st.sampled_from(variants()), mass=drivers, further=apart, history=histories)
 
@@ -171,7 +171,7 @@ def test_switching_between_gains_instead_of_blending_them_is_noticed(monkeypatch
         return h_1, 1.0 - h_1
 
     monkeypatch.setattr(MassRange, "memberships", switched)
-    fails(300, check_force, p=st.sampled_from(variants()), mass=drivers, further=apart, history=histories)
+    fails(100, check_force, p=st.sampled_from(variants()), mass=drivers, further=apart, history=histories)
 
 
 # ---- through the FMUs ------------------------------------------------------------------------------------------------
