@@ -27,8 +27,12 @@ from fmus.component import ParameterError
 from plant_models.seat import Coefficients, State, advance, prepare
 from plant_models.seat_interface import Inputs, Parameters
 
-GROWTH = 1e-5
-"""Share of V that a communication step may add; most found in 8000 seats: 3.1e-6."""
+GROWTH = 5.7e-4
+"""Share of V that a step may add: what a substep's error is worth. The most that a search for the largest found in 8000
+seats is 8.3e-5: 20 kg on 10 kg without any damper."""
+
+GROWTH_AS_PUBLISHED = 1e-5
+"""The same for the published seat under any driver: nothing found, measured to this."""
 
 ROUNDING = 1e-30
 """In J; a state fades to zero from some 1e-30 on."""
@@ -164,7 +168,9 @@ def coasting(seat: Driven, parameters: dict[str, float], forces: list[float], he
 def test_the_fmus_energy_never_grows(seat: Driven, count: int):
     def check(mass: float, forces: list[float]) -> None:
         energies = coasting(seat, {"driver_mass": mass}, forces)
-        assert (np.diff(energies) <= GROWTH * energies[:-1] + 1e-12).all()  # of 1 J at most, by (2)'s cancellation
+        assert (
+            np.diff(energies) <= GROWTH_AS_PUBLISHED * energies[:-1] + 1e-12
+        ).all()  # of 1 J at most, by (2)'s cancellation
         assert energies[-1] < energies[0] or energies[0] < 1e-12
 
     for_all(count, check, mass=st.floats(45.0, 120.0), forces=st.lists(st.floats(-600.0, 600.0), max_size=10))
@@ -173,7 +179,7 @@ def test_the_fmus_energy_never_grows(seat: Driven, count: int):
 def test_a_force_that_is_not_let_go_is_noticed_in_the_fmus_energy(seat: Driven):
     for held, grows in ((0.0, False), (100.0, True)):
         energies = coasting(seat, {}, [300.0] * 5, held)
-        assert (np.diff(energies) > GROWTH * energies[:-1]).any() == grows
+        assert (np.diff(energies) > GROWTH_AS_PUBLISHED * energies[:-1]).any() == grows
 
 
 def test_the_published_friction_is_the_default():
