@@ -1,4 +1,4 @@
-"""One SSP file in several masters: ``python benchmarks/interoperation.py [FILE.ssp] [FIGURE.svg]``.
+"""One SSP file in several masters: ``python benchmarks/interoperation.py [FILE.ssp] [FIGURE.png]``.
 
 Prints the numbers of docs/interoperation.md and draws its figure: the paper's bump, this master in its sequential order
 against masters that exchange all values at once.
@@ -7,7 +7,7 @@ against masters that exchange all values at once.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -65,28 +65,50 @@ def draw_exchanges(figure: Path, step_size: float, in_order: Values, at_once: Va
     draw(figure, "One SSP file, two ways to exchange values: the bump, Observer 2", panels)
 
 
+def peers(system: System) -> dict[str, Values]:
+    """Run a system in every other master; by its name and version."""
+    clock = system.clock()
+    with TemporaryDirectory() as folder:
+        system.save(Path(folder) / "system.ssp")
+        return {
+            f"{peer} {version(PACKAGES[peer])}": run(
+                peer, Path(folder) / "system.ssp", clock.steps, clock.step_size, list(SIGNALS)
+            )
+            for peer in PEERS
+        }
+
+
+def row(number: int, what: str, values: Sequence[float], digits: int) -> str:
+    """Write a line of a table."""
+    return f"| {number} | {what} | " + " | ".join(f"{value:.{digits}g}" for value in values) + " |"
+
+
+def bump_results(found: Values) -> list[float]:
+    """Return the bump's results: peak and RMS of the driver's acceleration in m/s², the largest force in N."""
+    acceleration, force = (found[name] for name in SIGNALS)
+    return [float(x) for x in (np.abs(acceleration).max(), np.sqrt(np.mean(acceleration**2)), np.abs(force).max())]
+
+
 def main() -> None:
-    """Print the table and draw the figure."""
+    """Print the tables and draw the figure."""
     source = Path(sys.argv[1] if len(sys.argv) > 1 else "fmus/SeatSuspension.ssp")
     figure = Path(sys.argv[2] if len(sys.argv) > 2 else "docs/figures/interoperation.png")
-    print("| observer | master | " + " | ".join(f"{name}, {unit}" for name, unit in SIGNALS.items()) + " |")
-    print("|---" * (len(SIGNALS) + 2) + "|")
+    results, compared = [], []
     for number, gamma in OBSERVERS.items():
         system = System.load(source)
         system.parameters |= observer(gamma.value)
-        clock = system.clock()
         in_order, at_once = here(system, "gauss-seidel"), here(system, "jacobi")
-        rows = {"this one in order, against itself all at once": differences(in_order, at_once)}
-        with TemporaryDirectory() as folder:
-            system.save(Path(folder) / "system.ssp")
-            for peer in PEERS:
-                found = run(peer, Path(folder) / "system.ssp", clock.steps, clock.step_size, list(SIGNALS))
-                rows[f"{peer} {version(PACKAGES[peer])}, against this one all at once"] = differences(found, at_once)
-                rows[f"{peer} {version(PACKAGES[peer])}, against this one in order"] = differences(found, in_order)
-        rows["largest value"] = [float(np.abs(in_order[name]).max()) for name in SIGNALS]
-        for what, values in rows.items():
-            print(f"| {number} | {what} | " + " | ".join(f"{value:.2g}" for value in values) + " |")
-    draw_exchanges(figure, clock.step_size, in_order, at_once)
+        others = peers(system)
+        mine = {"this one, in order": in_order, "this one, all at once": at_once}
+        results += [row(number, name, bump_results(found), 8) for name, found in (mine | others).items()]
+        compared.append(row(number, "this one in order, against itself all at once", differences(in_order, at_once), 2))
+        for name, found in others.items():
+            compared.append(row(number, f"{name}, against this one all at once", differences(found, at_once), 2))
+            compared.append(row(number, f"{name}, against this one in order", differences(found, in_order), 2))
+    print("| observer | master | peak, m/s² | RMS, m/s² | force, N |", "|---" * 5 + "|", *results, sep="\n")
+    names = " | ".join(f"{name}, {unit}" for name, unit in SIGNALS.items())
+    print(f"\n| observer | master | {names} |", "|---" * 4 + "|", *compared, sep="\n")
+    draw_exchanges(figure, system.clock().step_size, in_order, at_once)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Other masters that read SSP files, each run in a process of its own: they print, and keep what they loaded.
 
-libcosim takes the step from the file; the others are told it. All exchange all values at once, after every step.
+libcosim takes the step from the file; the others are told it. All exchange all values at once, after every step, but
+for the container that is told to be sequential.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -66,14 +68,35 @@ def fmpy_ssp(ssp: str, steps: int, step_size: float, signals: Signals) -> list[l
     return [[float(row[signal]) for signal in signals] for row in result]
 
 
+def container(ssp: str, steps: int, step_size: float, signals: Signals, sequential: bool = False) -> list[list[float]]:
+    """Run as one container FMU of the FMU Manipulation Toolbox, which fmpy steps; as :func:`libcosim`."""
+    from containers import contain, shown_as
+    from fmpy import simulate_fmu
+
+    from cosim import System
+
+    with tempfile.TemporaryDirectory() as folder:
+        fmu = contain(System.load(ssp), Path(folder), step_size, signals, sequential)
+        result = simulate_fmu(str(fmu), stop_time=steps * step_size, step_size=step_size, output_interval=step_size)
+    return [[float(row[shown_as(signal)]) for signal in signals] for row in result[1:]]
+
+
 PEERS: Mapping[str, Callable[[str, int, float, Signals], list[list[float]]]] = {
     "libcosim": libcosim,
     "Ecos": ecos,
     "fmpy.ssp": fmpy_ssp,
+    "fmucontainer": container,
+    "fmucontainer, sequential": partial(container, sequential=True),
 }
 """Names of the masters and how to run them."""
 
-PACKAGES = {"libcosim": "libcosimpy", "Ecos": "ecospy", "fmpy.ssp": "fmpy"}
+PACKAGES = {
+    "libcosim": "libcosimpy",
+    "Ecos": "ecospy",
+    "fmpy.ssp": "fmpy",
+    "fmucontainer": "fmu_manipulation_toolbox",
+    "fmucontainer, sequential": "fmu_manipulation_toolbox",
+}
 """Their packages, which bring all but one library along: Ecos needs libtbb12."""
 
 

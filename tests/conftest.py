@@ -8,6 +8,7 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -125,15 +126,35 @@ class Driven:
 
 
 @pytest.fixture(params=[*NATIVE, "python"])
-def seat(request: pytest.FixtureRequest, fmus: Path, native: Path, tmp_path: Path) -> Iterator[Driven]:
-    """A seat in each flavour."""
-    model = Model.read((fmus.parent if request.param == "python" else native) / request.param / "SeatPlant.fmu")
-    extract(model, tmp_path)
-    instance = instantiate("seat", model, tmp_path)
+def flavour_folder(request: pytest.FixtureRequest, fmus: Path, native: Path) -> Path:
+    """Folder of FMUs of each flavour."""
+    return (fmus.parent if request.param == "python" else native) / request.param
+
+
+@contextmanager
+def driven(fmu: Path, folder: Path) -> Iterator[Driven]:
+    """Load an FMU, to be stepped by hand."""
+    model = Model.read(fmu)
+    extract(model, folder)
+    instance = instantiate(fmu.stem, model, folder)
     try:
         yield Driven(instance)
     finally:
         instance.free()
+
+
+@pytest.fixture
+def seat(flavour_folder: Path, tmp_path: Path) -> Iterator[Driven]:
+    """A seat in each flavour."""
+    with driven(flavour_folder / "SeatPlant.fmu", tmp_path) as loaded:
+        yield loaded
+
+
+@pytest.fixture
+def controller(flavour_folder: Path, tmp_path: Path) -> Iterator[Driven]:
+    """A controller in each flavour."""
+    with driven(flavour_folder / "SeatController.fmu", tmp_path) as loaded:
+        yield loaded
 
 
 class Shell:

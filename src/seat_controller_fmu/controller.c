@@ -64,6 +64,9 @@ const char *seat_controller_prepare(const seat_controller_parameters *parameters
         return "expected driver_mass_min < driver_mass_max";
     }
     const mass_range range = {p->driver_mass_min + p->seat_mass, p->driver_mass_max + p->seat_mass};
+    if (!(REAL(1.0) / range.maximum < REAL(1.0) / range.minimum)) {
+        return "expected driver_mass_min < driver_mass_max by more than is lost beside seat_mass";
+    }
     const real mass = p->driver_mass + p->seat_mass; /* (4) */
     const real h_1 = membership(range, mass), h_2 = REAL(1.0) - h_1;
     const real L_1 = observer_gain(p->L1, range.minimum, p->observer_gamma);

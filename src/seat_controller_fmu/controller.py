@@ -111,7 +111,7 @@ def prepare(parameters: Parameters) -> Coefficients:
     Raises
     ------
     ParameterError
-        If the mass range is empty or reversed.
+        If the mass range is empty or reversed, or so narrow that its ends are the same total mass (4) when rounded.
     """
     p = parameters
     if not p.driver_mass_min < p.driver_mass_max:
@@ -120,6 +120,11 @@ def prepare(parameters: Parameters) -> Coefficients:
             f"{p.driver_mass_min} kg and {p.driver_mass_max} kg"
         )
     vertices = mass_range(p)
+    if not 1.0 / vertices.maximum < 1.0 / vertices.minimum:
+        raise ParameterError(
+            "controller: expected driver_mass_min < driver_mass_max by more than is lost beside seat_mass, got "
+            f"{p.driver_mass_min} kg, {p.driver_mass_max} kg and {p.seat_mass} kg"
+        )
     mass = p.driver_mass + p.seat_mass  # (4)
     h_1, h_2 = vertices.memberships(mass)
     L_1, L_2 = observer_gains(p)
