@@ -29,7 +29,7 @@ def instantiate(bench: Bench) -> None:
             pass
     except RefusedError as error:
         if bench.description.can("needsExecutionTool"):
-            raise NotApplicableError(f"the FMU needs another tool, without which it cannot be made: {error}") from None
+            raise RefusedError(f"{error}; the FMU needs another tool, which may be missing here") from None
         raise
 
 

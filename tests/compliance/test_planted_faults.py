@@ -447,6 +447,13 @@ def test_another_token_in_the_description_than_in_the_library(workshop: Workshop
     assert "{dahlquish}, got none" in found[0].message
 
 
+def test_an_fmu_that_cannot_be_made_without_its_tool_has_not_passed(workshop: Workshop, processes: Processes):
+    change = replaced(("{dahlquist}", "{dahlquish}", "<CoSimulation", '<CoSimulation needsExecutionTool="true"'))
+    found = validate(workshop.make(xml=change), processes=processes).findings
+    assert [f.rule for f in found] == ["life.instantiate"]
+    assert found[0].message.endswith("the FMU needs another tool, which may be missing here")
+
+
 @pytest.mark.parametrize(
     ("model", "fmi", "old", "new", "message"),
     [
