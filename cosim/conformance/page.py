@@ -56,7 +56,7 @@ Seen with the FMUs at hand; each finding was looked up in the standard.
 - **The native FMUs of this repository**: nothing. When the suite was first run, they did not refuse a step past the
   announced stop time, and the Python flavours of seat and shaker could not set a state outside this repository. Both
   are mended.
-- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `hygiene.memory` (5 KiB
+- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `hygiene.memory` (4 KiB
   for each instance); warnings of `life.token`, `life.call-order` and `life.fixed`. All are of pythonfmu's library,
   which answers these calls itself or has no way to refuse.
 - **Raw pythonfmu** (`examples/foreign`, `examples/controllers`): as above, and `steps.stop-time`, `steps.backward`,
@@ -69,8 +69,8 @@ Seen with the FMUs at hand; each finding was looked up in the standard.
   null pointer crashes), `hygiene.memory` (4 to 11 KiB for each instance); in one of them `life.start-values` (an output
   said to begin at exactly -0.5 begins at 0) and `variables.names-legal` (`der(der(s))`, where the convention has
   `der(s, 2)`). Warnings of `life.fixed`, `steps.backward`, `archive.stray`.
-- **Four FMUs of crane-fmu 0.2.0** (pythonfmu, FMI 2.0): a warning of `structure.dependencies-told`. They need Python
-  packages that were not there, and say so: their behaviour is not applicable.
+- **Four FMUs of crane-fmu 0.2.0** (pythonfmu, FMI 2.0): `life.instantiate`, as they need Python packages that
+  were not there; a warning of `structure.dependencies-told`.
 """
 
 
