@@ -35,11 +35,11 @@ class SignalError(CosimError, ValueError):
 
 @contextmanager
 def reading(file: Path) -> Iterator[None]:
-    """Name the file in every :class:`SetupError` about what it says."""
+    """Name the file in every :class:`SetupError` about what it says, where it is not named already."""
     try:
         yield
     except SetupError as error:
-        raise SetupError(*(f"{file}: {problem}" for problem in error.problems)) from error
+        raise SetupError(*(p if str(file) in p else f"{file}: {p}" for p in error.problems)) from error
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from typing import BinaryIO
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
-from cosim.archives import leaves, open_archive
+from cosim.archives import is_file, leaves, open_archive
 from cosim.errors import SetupError
 from cosim.mending import DESCRIPTION, mended
 from cosim.units import Unit
@@ -79,7 +79,7 @@ class Model:
             If there is no such file, it is no FMU, or not one of FMI 2.0 or 3.0 for co-simulation.
         """
         file, path = Path(path), _inside(Path(path), member)
-        if not file.is_file():
+        if not is_file(file):
             raise SetupError(f"{path}: expected an FMU, got no such file")
         try:
             opened = _opened(file, member)
