@@ -19,7 +19,7 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -174,8 +174,8 @@ def _property(check: Callable[[bytes], None], drawn: st.SearchStrategy[bytes]) -
 # ---- in a process of its own -----------------------------------------------------------------------------------------
 
 
-def work(target: str, place: Place, number: int, cases: int | None, until: float) -> None:
-    """Run a target and say as JSON how many cases there were, to standard output, whose own descriptor it gets.
+def work(targets: Sequence[str], place: Place, number: int, cases: int | None, until: float) -> None:
+    """Run targets one after the other and say as JSON how many cases there were, to what was standard output.
 
     All that the code under test prints goes to standard error, which is a file.
     """
@@ -183,17 +183,20 @@ def work(target: str, place: Place, number: int, cases: int | None, until: float
     os.dup2(2, 1)
     warnings.simplefilter("ignore", HypothesisWarning)
     warnings.simplefilter("always", UserWarning)
-    kind, _, name = target.partition("/")
-    run = globals()[kind](place, name)
     before = os.fstat(2).st_size
     total, start = 0, time.process_time()
-    while True:
-        total += run(number, cases or BATCH)
-        assert os.fstat(2).st_size == before, "something was printed"
-        if cases is not None or time.monotonic() > until or kind == "values":
-            break
-        number += 1
-    os.write(ours, json.dumps({"cases": total, "seconds": time.process_time() - start, "seed": number}).encode())
+    for target in targets:
+        kind, _, name = target.partition("/")
+        own = Place(place.built, place.folder / target)
+        own.folder.mkdir(parents=True)
+        run = globals()[kind](own, name)
+        while True:
+            total += run(number, cases or BATCH)
+            assert os.fstat(2).st_size == before, f"{target}: something was printed"
+            if cases is not None or time.monotonic() > until or kind == "values":
+                break
+            number += 1
+    os.write(ours, json.dumps({"cases": total, "seconds": time.process_time() - start}).encode())
     os._exit(0)  # a foreign library may crash on a regular end, which is not our question
 
 
@@ -212,13 +215,13 @@ class Outcome:
     found: str | None = None
 
 
-def play(target: str, built: Path, number: int, cases: int | None = None, seconds: float = 0.0) -> Outcome:
-    """Run a target in a process of its own.
+def play(targets: Sequence[str], built: Path, number: int, cases: int | None = None, seconds: float = 0.0) -> Outcome:
+    """Run targets in a process of their own.
 
     Parameters
     ----------
-    target
-        One of :data:`TARGETS`.
+    targets
+        Of :data:`TARGETS`; all of them with sanitizers, or none.
     built
         Holds the FMUs of all flavours and the systems of them.
     number
@@ -229,10 +232,10 @@ def play(target: str, built: Path, number: int, cases: int | None = None, second
         That time.
     """
     folder = Path(tempfile.mkdtemp(prefix="hostile-"))
-    words = [target, "--work", str(folder), "--built", str(built), "--seed", str(number)]
+    words = [*targets, "--work", str(folder), "--built", str(built), "--seed", str(number)]
     words += ["--minutes", str(seconds / 60.0)] if cases is None else ["--cases", str(cases)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    environment |= subjects.sanitizers() if target.endswith("sanitized") else {}
+    environment |= subjects.sanitizers() if targets[0].endswith("sanitized") else {}
     try:
         with (folder / "printed").open("wb") as printed:
             run = subprocess.run(
@@ -242,11 +245,17 @@ def play(target: str, built: Path, number: int, cases: int | None = None, second
             told = json.loads(run.stdout)
             return Outcome(told["cases"], told["seconds"])
         said = (folder / "printed").read_text(errors="replace")[-20_000:]
-        notes = Place(built, folder).notes
-        last = notes.read_text(errors="replace")[-5_000:] if notes.is_file() else ""
-        return Outcome(0, 0.0, f"{target}, seed {number}: ended with {run.returncode}\n{said}\nlast calls:\n{last}")
+        *_, latest = sorted((Place(built, folder / target) for target in targets), key=_age)
+        last = latest.notes.read_text(errors="replace")[-5_000:] if latest.notes.is_file() else ""
+        which = latest.folder.relative_to(folder)
+        return Outcome(0, 0.0, f"{which}, seed {number}: ended with {run.returncode}\n{said}\nlast calls:\n{last}")
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _age(place: Place) -> int:
+    """When a target began, for the order; 0 if it did not."""
+    return place.folder.stat().st_ctime_ns if place.folder.is_dir() else 0
 
 
 # ---- for minutes -----------------------------------------------------------------------------------------------------
@@ -256,7 +265,7 @@ def _rounds(target: str, built: Path, number: int, cases: int | None, seconds: f
     """Run a target until its time is over, anew after each find."""
     until = time.monotonic() + seconds
     while True:
-        yield (outcome := play(target, built, number, cases, until - time.monotonic()))
+        yield (outcome := play([target], built, number, cases, until - time.monotonic()))
         number += 1_000_000
         if cases is not None or outcome.found is None or time.monotonic() > until:
             return
@@ -275,7 +284,7 @@ def main() -> None:
     number = secrets.randbelow(10**6) if given_.seed is None else given_.seed
     if given_.work:
         until = time.monotonic() + 60.0 * given_.minutes
-        work(given_.words[0], Place(given_.built, given_.work), number, given_.cases, until)
+        work(given_.words, Place(given_.built, given_.work), number, given_.cases, until)
     chosen = [name for name in TARGETS if not given_.words or any(word in name for word in given_.words)]
     finds = 0
     print(f"seed {number}\n{'target':36} {'cases':>9} {'seconds':>8} {'finds':>6}", flush=True)
