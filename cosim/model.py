@@ -260,7 +260,10 @@ def _check_variable(model: Model, variable: ModelVariable) -> None:
 def _number(variable: ModelVariable, where: str, given: Value) -> float:
     """Convert a value to a number as the variable's type asks."""
     if type(given) in (float, int) and KINDS[variable.type] == "Real":
-        return float(given)
+        try:
+            return float(given)
+        except OverflowError:
+            return math.copysign(math.inf, given)
     text = str(given).strip()
     if variable.type == "Boolean":
         truths = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}

@@ -196,7 +196,7 @@ class Replayed:
         assert self._running.stdout is not None
         self._running.stdin.write(f"{path}\n".encode())
         self._running.stdin.flush()
-        in_c = self._running.stdout.readline().decode().strip()
+        in_c = self._running.stdout.readline().decode().removesuffix("\n")
         assert in_c, "the program has ended"
         curve, problem = None, ""
         try:
@@ -262,10 +262,10 @@ def _found(folder: Path) -> set[Path]:
 
 
 def _shell(*words: str) -> tuple[int, int]:
-    """Run the command line; returns the exit code and how many lines it printed, all of them as errors."""
+    """Run the command line; returns the exit code and how many lines of errors it printed."""
     printed = io.StringIO()
     stdout, stderr, argv = sys.stdout, sys.stderr, sys.argv
-    sys.stderr, sys.argv = printed, ["seat-cosim", *words]
+    sys.stdout, sys.stderr, sys.argv = io.StringIO(), printed, ["seat-cosim", *words]
     try:
         with _limited():
             cli.main()

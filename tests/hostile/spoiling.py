@@ -168,9 +168,9 @@ def spoiled_json(draw: st.DrawFn, data: bytes) -> bytes:
         if how == "gone":
             container.pop(key)
         elif how == "new" and isinstance(container, dict):
-            container[draw(st.text(max_size=5))] = draw(_VALUES)
+            container[draw(st.text(max_size=5))] = copy.deepcopy(draw(_VALUES))
         else:
-            container[key] = draw(_VALUES)
+            container[key] = copy.deepcopy(draw(_VALUES))
         if not document:
             break
     text = json.dumps(document)

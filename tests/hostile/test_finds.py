@@ -311,11 +311,18 @@ def test_gains_come_from_a_file(name: str):
 
 
 def test_problems_of_a_run_name_its_manifest(native: Path, shell: Shell, tmp_path: Path):
-    manifest = Manifest.of(seat_suspension(native / "fmi2"), stop_time=1.0)
+    manifest = Manifest.of(seat_suspension(native / "fmi2"), stop_time=1.0, parameters={"seat.driver_mass": 70.0})
     manifest.write(tmp_path)
+    changes = {
+        "shaker.floor_velocity": "floor_velocity",
+        '"stop_time": 1.0': f'"stop_time": {10**400}',
+        '"seat.driver_mass": 70.0': f'"seat.driver_mass": {10**400}',
+    }
     path = tmp_path / "run.json"
-    for old, new in (("shaker.floor_velocity", "floor_velocity"), ('"stop_time": 1.0', f'"stop_time": {10**400}')):
-        path.write_text(path.read_text().replace(old, new))
+    sound = path.read_text()
+    for old, new in changes.items():
+        assert old in sound
+        path.write_text(sound.replace(old, new))
         code, out, err = shell("rerun", str(path))
         assert (code, out, len(err.splitlines())) == (2, "", 1)
         assert str(path) in err
