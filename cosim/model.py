@@ -263,7 +263,7 @@ def _number(variable: ModelVariable, where: str, given: Value) -> float:
         try:
             return float(given)
         except OverflowError:
-            return math.copysign(math.inf, given)
+            return math.inf  # or the other, which is not finite either
     text = str(given).strip()
     if variable.type == "Boolean":
         truths = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}
