@@ -317,6 +317,7 @@ def test_problems_of_a_run_name_its_manifest(native: Path, shell: Shell, tmp_pat
         "shaker.floor_velocity": "floor_velocity",
         '"stop_time": 1.0': f'"stop_time": {10**400}',
         '"seat.driver_mass": 70.0': f'"seat.driver_mass": {10**400}',
+        f'"{native}/fmi2/SeatPlant.fmu"': f'"{"x" * 300}"',
     }
     path = tmp_path / "run.json"
     sound = path.read_text()
