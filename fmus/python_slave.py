@@ -107,7 +107,7 @@ class ComponentSlave(Fmi2Slave):
 
     def _may_be_set(self, variable: Variable) -> bool:
         if variable.causality == "input" or variable.variability == "tunable":
-            return True
+            return self._phase != "terminated"
         return variable.variability == "fixed" and self._phase in ("instantiated", "initializing")
 
     def _set(self, references: Sequence[int], values: Sequence[Any], kinds: tuple[type, ...]) -> None:
@@ -178,6 +178,7 @@ class ComponentSlave(Fmi2Slave):
             self._go_on("instantiated", "instantiated")
         elif abs(start_time) <= LATEST_TIME:
             self._time = self._values[0] = start_time
+            self._outputs_due = True
         else:
             self._fault("time", f"start time: expected at most {LATEST_TIME:g} s either way, got {start_time} s")
 
@@ -336,18 +337,22 @@ class ComponentSlave(Fmi2Slave):
                 and time == values[0]
                 and state["phase"] in _PHASES
                 and (state["state"] is not None or state["phase"] in _PHASES[:2])
-                and (state["state"] is None or self._is_state(state["state"], values, time))
+                and (state["state"] is None or self._is_state(state["state"], values, time, state["phase"]))
             )
         except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError):
             return False
 
-    def _is_state(self, numbers: list[float], values: list[Any], time: float) -> bool:
-        """Whether numbers are those of a model's state when it has reached a time, in s, with these values."""
+    def _is_state(self, numbers: list[float], values: list[Any], time: float, phase: str) -> bool:
+        """Whether numbers are those of a model's state when it has reached a time, in s, with these values.
+
+        Before the steps it may be that of another time: it is made anew as the initialisation ends.
+        """
         count = sum(field.length or 1 for field in state_fields(self.component.state))
         if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
             return False
         state = state_of(self.component.state, numbers)
-        return numbers_of(state) == numbers and self.component.fits(state, self._parameters(values), time)
+        fits = phase != "stepping" or self.component.fits(state, self._parameters(values), time)
+        return numbers_of(state) == numbers and fits
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:

@@ -97,6 +97,32 @@ def test_python_instances_refuse_calls_out_of_order(bench: Bench):
     assert "expected a call while initializing, got one while instantiated" in checked.caller.exit().text
 
 
+def test_the_start_time_makes_the_outputs_anew(bench: Bench):
+    checked = bench("python", "Shaker")
+    checked.expect_values()
+    checked.setup(0.4)  # the middle of the bump
+    found = checked.caller.get("Real", checked.subject.outputs["Real"])
+    assert found.value[0] == pytest.approx(0.07)
+
+
+def test_a_python_state_from_before_the_start_time_is_taken(bench: Bench):
+    checked = bench("python", "SeatController")
+    checked.expect_values()
+    checked.setup(-5.0)
+    number = checked.caller.get_state().value
+    assert checked.caller.set_state(number).text == ""
+    checked.begin()
+    assert checked.step(-5.0, 0.002)
+
+
+@each_flavour
+def test_nothing_is_set_after_the_end(bench: Bench, flavour: str):
+    checked = bench(flavour, "SeatController")
+    checked.begin()
+    checked.terminate()
+    assert not checked.set(variable(checked, "seat_acceleration"), 0.1)
+
+
 # ---- states ----------------------------------------------------------------------------------------------------------
 
 
