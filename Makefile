@@ -1,10 +1,13 @@
 # make run        environment, install, build, the paper's bump test with table and figures
 # make test       the same set-up, then every test (10 minutes at most); make test-all adds the long ones
+# make fuzz       hostile input for MINUTES per target (1), see docs/hostile.md
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test test-all wheel clean
+MINUTES ?= 1
+
+.PHONY: run test test-all fuzz wheel clean
 
 run: $(VENV)/installed
 	$(BIN)/seat-cosim build
@@ -17,6 +20,10 @@ test: $(VENV)/installed-test
 test-all: $(VENV)/installed-test
 	$(BIN)/seat-cosim build
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
+
+fuzz: $(VENV)/installed-test
+	$(BIN)/seat-cosim build
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/hostile/fuzz.py --minutes $(MINUTES)
 
 # A wheel that carries the native FMUs and the master's loop in C for all platforms: `seat-cosim fmus --export DIR` takes them out again.
 wheel: $(VENV)/installed

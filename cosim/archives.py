@@ -42,7 +42,7 @@ def check_archive(archive: zipfile.ZipFile, where: Path) -> None:
         too large; with the members' names. What a member declares to be its size is more than it can be extracted to.
     """
     members = archive.infolist()
-    problems = [f"{where}: {problem}" for problem in (*_problems(members), *size_problems(members))]
+    problems = [f"{where}: {problem}" for problem in (*_problems(members), *size_problems(archive))]
     if problems:
         more = [f"{where}: {len(problems) - _TOLD} more problems"] if len(problems) > _TOLD else []
         raise SetupError(*problems[:_TOLD], *more)
@@ -57,6 +57,14 @@ def open_archive(file: str | Path | BinaryIO, where: Path) -> zipfile.ZipFile:
         archive.close()
         raise
     return archive
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file of that name; there is none of a name that no file can have."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def leaves(name: str) -> bool:
@@ -81,12 +89,13 @@ def _problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
             yield f"member {name!r}: expected it once, got it several times"
 
 
-def size_problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
+def size_problems(archive: zipfile.ZipFile) -> Iterator[str]:
     """Tell what is wrong with the size of what an archive holds, as it declares it."""
+    members = archive.infolist()
     if not members:
         return
     size = sum(member.file_size for member in members)
-    packed = sum(member.compress_size for member in members)
+    packed = min(sum(member.compress_size for member in members), archive.start_dir)  # members may share their bytes
     largest = max(members, key=lambda member: member.file_size)
     whole = f"got {size / 2**20:.0f} MiB from {packed / 2**20:.3g} MiB (largest member: {largest.filename!r})"
     if size > LARGEST:

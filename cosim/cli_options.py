@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import click
 
+from cosim.archives import is_file
 from cosim.errors import SetupError
 from cosim.formats import FORMATS
 from cosim.isolated import TIME_LIMIT
@@ -114,6 +115,6 @@ def seconds(option: str, texts: Iterable[str]) -> dict[str, float]:
 
 def existing(path: Path, what: str) -> Path:
     """Return a path to a file that is there."""
-    if not path.is_file():
+    if not is_file(path):
         raise SetupError(f"{path}: expected {what}, got no such file")
     return path

@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from cosim.console import command_line, conclude, console, progress_shown, stderr
-from cosim.errors import RunError, SetupError
+from cosim.errors import RunError, SetupError, reading
 from cosim.formats import Table, read
 from cosim.manifest import Manifest, sha256
 from cosim.results import MANIFEST
@@ -33,7 +33,9 @@ def rerun(manifest: Path, output: Path | None) -> None:
     folder = output or manifest.parent / "rerun"
     if folder.resolve() == manifest.parent.resolve():
         raise SetupError(f"--output {folder}: expected another folder than that of {manifest}, got the same")
-    system = first.system()
+    with reading(manifest):
+        system = first.system()
+        system.validate(record=first.record)
     with progress_shown("running again") as report:
         result = run_to_folder(
             system,

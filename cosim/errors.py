@@ -34,6 +34,15 @@ class SignalError(CosimError, ValueError):
 
 
 @contextmanager
+def reading(file: Path) -> Iterator[None]:
+    """Name the file in every :class:`SetupError` about what it says, where it is not named already."""
+    try:
+        yield
+    except SetupError as error:
+        raise SetupError(*(p if str(file) in p else f"{file}: {p}" for p in error.problems)) from error
+
+
+@contextmanager
 def writing_to(folder: Path) -> Iterator[None]:
     """Turn what goes wrong in writing to a folder the user named into a :class:`SetupError`."""
     try:

@@ -61,8 +61,10 @@ def _parse(hint: Any, data: Any, where: str, problems: list[str]) -> Any:
     if origin is Literal and data in arguments:
         return data
     for choice in arguments if origin is UnionType else [hint]:
-        if type(data) is choice or (choice is float and type(data) is int):
-            return choice(data) if choice is float else data
+        if type(data) is choice:
+            return data
+        if choice is float and type(data) is int and abs(data) < 2**1023:  # above, it is no float
+            return float(data)
     problems.append(f"{where}: expected {_expected(hint)}, got {_shown(data)}")
     return None
 
@@ -94,5 +96,8 @@ def _listed(choices: Sequence[Any]) -> str:
 
 def _shown(data: Any) -> str:
     """Show a JSON value, a long one by its beginning."""
-    text = json.dumps(data, ensure_ascii=False)
+    try:
+        text = json.dumps(data, ensure_ascii=False)
+    except RecursionError:  # nested a little less deep than can be read
+        return "too deep a nesting"
     return text if len(text) <= 40 else f"{text[:40]}…"

@@ -10,6 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Literal
 
+from cosim.archives import is_file
 from cosim.errors import SetupError
 from cosim.formats import FORMATS, FileSink
 from cosim.isolated import TIME_LIMIT
@@ -252,7 +253,7 @@ class Manifest:
         problems: list[str] = []
         for name, component in self.components.items():
             path = Path(component.fmu)
-            where = "" if path.is_absolute() or path.exists() else f" in {Path.cwd()}, where its path starts"
+            where = "" if path.is_absolute() or is_file(path) else f" in {Path.cwd()}, where its path starts"
             try:
                 model = models[name] = Model.read(path, component.member)
             except SetupError as error:

@@ -8,10 +8,12 @@ from typing import BinaryIO
 
 from lxml import etree
 
+from cosim.xml_data import parse
+
 DESCRIPTION = "modelDescription.xml"
 
 
-def mended(fmu: str | BinaryIO) -> str | BinaryIO:
+def mended(fmu: str | BinaryIO, where: str) -> str | BinaryIO:
     """Read an FMU's description and mend it.
 
     Known so far: FMI 2 parameters without a variability (pythonfmu writes them unless told otherwise). By the standard
@@ -21,15 +23,21 @@ def mended(fmu: str | BinaryIO) -> str | BinaryIO:
     ----------
     fmu
         File name, or open file.
+    where
+        What to call it in messages.
 
     Returns
     -------
     str or BinaryIO
         An archive with the mended description, or the FMU itself if there is nothing to mend.
+
+    Raises
+    ------
+    SetupError
+        If the description is no XML, or not such as can be trusted, see :mod:`cosim.xml_data`.
     """
-    parser = etree.XMLParser(resolve_entities=False, no_network=True)
-    with zipfile.ZipFile(fmu) as archive, archive.open(DESCRIPTION) as stream:
-        tree = etree.parse(stream, parser)
+    with zipfile.ZipFile(fmu) as archive:
+        tree = parse(archive.read(DESCRIPTION), where)
     found = [
         variable
         for variable in tree.iterfind("ModelVariables/ScalarVariable")

@@ -15,9 +15,9 @@ from typing import BinaryIO
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
-from cosim.archives import open_archive
+from cosim.archives import is_file, leaves, open_archive
 from cosim.errors import SetupError
-from cosim.mending import mended
+from cosim.mending import DESCRIPTION, mended
 from cosim.units import Unit
 
 Value = float | bool | str
@@ -79,12 +79,15 @@ class Model:
             If there is no such file, it is no FMU, or not one of FMI 2.0 or 3.0 for co-simulation.
         """
         file, path = Path(path), _inside(Path(path), member)
-        if not file.is_file():
+        if not is_file(file):
             raise SetupError(f"{path}: expected an FMU, got no such file")
         try:
             opened = _opened(file, member)
             open_archive(opened, path).close()
-            description = fmpy.read_model_description(mended(opened), validate=False)
+            description = fmpy.read_model_description(mended(opened, str(path / DESCRIPTION)), validate=False)
+            platforms = fmpy.supported_platforms(opened)
+            model = cls(file, description, {variable.name: variable for variable in description.modelVariables}, member)
+            model._check_numbers()
         except SetupError:
             raise
         except zipfile.BadZipFile:
@@ -99,10 +102,28 @@ class Model:
             raise SetupError(
                 f"{path}: expected FMI 2.0 or 3.0 for co-simulation, got FMI {description.fmiVersion}, {kind}"
             )
-        platforms = fmpy.supported_platforms(opened)
+        if leaves(identifier := str(description.coSimulation.modelIdentifier)) or "/" in identifier:
+            raise SetupError(f"{path}: expected a modelIdentifier that names a file, got {identifier!r}")
         if fmpy.platform not in platforms:
             raise SetupError(f"{path}: expected a binary for {fmpy.platform}, got {', '.join(platforms) or 'none'}")
-        return cls(file, description, {variable.name: variable for variable in description.modelVariables}, member)
+        return model
+
+    def _check_numbers(self) -> None:
+        """Convert each number of the description that is asked for later: one that is none is an error now.
+
+        Raises
+        ------
+        ValueError
+            With the variable, if it is one of a variable.
+        """
+        assert self.defined_units is not None
+        experiment = self.description.defaultExperiment
+        float(experiment.stepSize if experiment is not None and experiment.stepSize else 0.0)
+        for variable in self.variables.values():
+            try:
+                _check_variable(self, variable)
+            except (AttributeError, KeyError, TypeError, ValueError) as error:
+                raise ValueError(f"{variable.name}: {error}") from None
 
     @property
     def where(self) -> Path:
@@ -221,10 +242,28 @@ def _opened(path: Path, member: str | None) -> str | BinaryIO:
         return io.BytesIO(archive.read(member))
 
 
+def _check_variable(model: Model, variable: ModelVariable) -> None:
+    """Convert what a variable's attributes say; raises whatever that raises."""
+    kind = KINDS[variable.type]
+    if kind in NUMERIC:
+        low, high = (model.bound(variable, which) for which in ("min", "max"))
+        if not all(bound is None or not math.isnan(bound) for bound in (low, high)):
+            raise ValueError(f"expected bounds that are numbers, got {low} and {high}")
+    if kind == "Enumeration":
+        items = [(item.name, int(item.value)) for item in variable.declaredType.items]
+        if not items or not all(name for name, _ in items):
+            raise ValueError("expected an enumeration of named items")
+    if not 0 <= int(variable.valueReference) < 2**32:
+        raise ValueError(f"expected a value reference below 2^32, got {variable.valueReference}")
+
+
 def _number(variable: ModelVariable, where: str, given: Value) -> float:
     """Convert a value to a number as the variable's type asks."""
     if type(given) in (float, int) and KINDS[variable.type] == "Real":
-        return float(given)
+        try:
+            return float(given)
+        except OverflowError:
+            return math.inf  # or the other, which is not finite either
     text = str(given).strip()
     if variable.type == "Boolean":
         truths = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}

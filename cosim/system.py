@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Self, Unpack
 
 from cosim.editing import edit, parse_source
-from cosim.errors import SetupError, writing_to
+from cosim.errors import SetupError, reading, writing_to
 from cosim.isolated import TIME_LIMIT
 from cosim.model import Value
 from cosim.plan import rates
@@ -41,7 +41,8 @@ class System(Structure):
             With all problems found.
         """
         system = cls()
-        load(path, system)
+        with reading(Path(path)):
+            load(path, system)
         return system
 
     def save(self, path: str | Path) -> bool:

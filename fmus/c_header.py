@@ -179,7 +179,7 @@ def model_header(component: Component, token: str) -> str:
     kernel = component.module.rpartition(".")[2]
     state_count = sum(field.length or 1 for field in state_fields(component.state))
     types = ("parameters", "coefficients", "state", "inputs", "outputs")
-    functions = ("prepare", "warning", "initial", "advance")
+    functions = ("prepare", "warning", "fits", "initial", "advance")
     lines = [
         f"/* Generated from the declaration of {component.name}: do not edit. See component.h. */",
         "#ifndef MODEL_H\n#define MODEL_H\n",

@@ -18,6 +18,9 @@ LATEST_TIME = 1e9
 LONGEST_STEP = 1e3
 """Longest communication step, in s: a longer one would take so long that it looked like a hang."""
 
+FARTHEST_TICK = 1.0
+"""How far a state's own clock may be from the time reached, in s, hosts' rounding errors at late times included."""
+
 SMALLEST_STATE = 1e-30
 """States of smaller magnitude are zero, in their own unit: fading out, they would become denormal, which is slow."""
 
@@ -112,6 +115,9 @@ class Component:
     advance
         ``advance(state, inputs, coefficients, time, step_size) -> (state, outputs)``: from ``time`` to
         ``time + step_size``, both in s, inputs as set at ``time``; outputs hold at the end of the step.
+    fits
+        ``fits(state, parameters, time) -> bool``: whether a run can have that state, all numbers of it finite, when it
+        has reached ``time``, in s; what comes from outside is asked.
     warnings
         ``warnings(parameters) -> texts`` for legal parameters that a user should think about.
     terminals
@@ -132,6 +138,7 @@ class Component:
     prepare: Callable[[Any], Any]
     initial: Callable[[Any, Any, float], tuple[Any, Any]]
     advance: Callable[[Any, Any, Any, float, float], tuple[Any, Any]]
+    fits: Callable[[Any, Any, float], bool] = lambda state, parameters, time: True
     constants: type | None = None
     warnings: Callable[[Any], Sequence[str]] = lambda parameters: ()
     terminals: tuple[Terminal, ...] = ()

@@ -25,9 +25,12 @@ from fmus.component import (
     Component,
     ParameterError,
     numbers_of,
+    state_fields,
     state_of,
 )
 from fmus.variables import Variable
+
+_PHASES = ("instantiated", "initializing", "stepping", "terminated")
 
 
 class ComponentSlave(Fmi2Slave):
@@ -105,7 +108,7 @@ class ComponentSlave(Fmi2Slave):
 
     def _may_be_set(self, variable: Variable) -> bool:
         if variable.causality == "input" or variable.variability == "tunable":
-            return True
+            return self._phase != "terminated"
         return variable.variability == "fixed" and self._phase in ("instantiated", "initializing")
 
     def _set(self, references: Sequence[int], values: Sequence[Any], kinds: tuple[type, ...]) -> None:
@@ -127,7 +130,7 @@ class ComponentSlave(Fmi2Slave):
 
     def _get(self, references: Sequence[int], kinds: tuple[type, ...], nothing: Any) -> list[Any]:
         if self._outputs_due and self._phase in ("instantiated", "initializing"):
-            self._initialise()
+            self._initialise()  # what is wrong is told at the end of the initialisation: until then it may be mended
         found = []
         for reference in references:
             variable = self._variable(reference, kinds)
@@ -172,40 +175,57 @@ class ComponentSlave(Fmi2Slave):
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
         """Take the start time, and the stop time if there is one, both in s."""
+        if self._phase != "instantiated":
+            self._go_on("instantiated", "instantiated")
+            return
         self._stop_time = math.inf if stop_time is None else stop_time
         if abs(start_time) <= LATEST_TIME:
             self._time = self._values[0] = start_time
+            self._outputs_due = True
         else:
             self._fault("time", f"start time: expected at most {LATEST_TIME:g} s either way, got {start_time} s")
 
     def enter_initialization_mode(self) -> None:
         """Begin the initialisation."""
-        self._phase = "initializing"
+        self._go_on("instantiated", "initializing")
 
     def exit_initialization_mode(self) -> None:
-        """Check the parameters against one another and compute the first outputs."""
-        self._initialise()
-        self._phase = "stepping"
+        """Check the parameters against one another and compute the first outputs; where they do not allow it, stay."""
+        if self._phase == "initializing" and (problem := self._initialise()):
+            self._fault("initialization", problem)
+        else:
+            self._go_on("initializing", "stepping")
 
     def terminate(self) -> None:
         """End the run."""
-        self._phase = "terminated"
+        self._go_on("stepping", "terminated")
+
+    def _go_on(self, before: str, after: str) -> None:
+        """Go from one phase to the next."""
+        if self._phase == before:
+            self._phase = after
+        else:
+            self._fault("call", f"expected a call while {before}, got one while {self._phase}")
 
     def _prepare(self) -> str | None:
         """Derive the coefficients of the parameters as they are now; return what is wrong with them, or None."""
         if self._coefficients is not None:
             return None
-        values = (self._whole(value) for value in self._values[self._slices["parameter"]])
-        parameters = self.component.parameters(*values)
+        parameters = self._parameters(self._values)
         try:
             self._coefficients = self.component.prepare(parameters)
         except ParameterError as error:
             return str(error)
+        except (ArithmeticError, ValueError) as error:
+            return f"expected parameters that can be calculated with, got {type(error).__name__}: {error}"
         for text in self.component.warnings(parameters):
             if text not in self._warned:
                 self._warned.append(text)
                 self.log(text, Fmi2Status.warning)
         return None
+
+    def _parameters(self, values: Sequence[Any]) -> Any:
+        return self.component.parameters(*(self._whole(value) for value in values[self._slices["parameter"]]))
 
     def _whole(self, value: Any) -> Any:
         """Make the whole path of a file's name, relative to the FMU's resources; other values stay."""
@@ -214,19 +234,35 @@ class ComponentSlave(Fmi2Slave):
     def _inputs(self) -> Any:
         return self.component.inputs(*self._values[self._slices["input"]])
 
-    def _initialise(self) -> None:
-        problem = self._prepare()
-        if problem:
-            self.log(problem, Fmi2Status.error)
-            return
-        self._state, outputs = self.component.initial(self._inputs(), self._coefficients, self._time)
-        self._values[self._slices["output"]] = self._output_values(outputs)
+    def _initialise(self) -> str | None:
+        """Compute the state and the outputs at the start; return what does not allow it, or None."""
+        if problem := self._prepare():
+            return problem
+        try:
+            state, outputs = self.component.initial(self._inputs(), self._coefficients, self._time)
+        except (ArithmeticError, ValueError) as error:
+            return f"{type(error).__name__}: {error}"
+        values = self._output_values(outputs)
+        if problem := self._not_finite(values):
+            return problem
+        self._state = state
+        self._values[self._slices["output"]] = values
         self._outputs_due = False
+        return None
+
+    def _not_finite(self, outputs: Sequence[float]) -> str | None:
+        """Say which output is not a finite number, or None."""
+        for variable, value in zip(self._variables[self._slices["output"]], outputs, strict=True):
+            if not math.isfinite(value):
+                return f"{variable.name}: expected a finite number, got {value} at t = {self._time} s"
+        return None
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Advance from ``current_time`` by ``step_size``, both in s; False (discard) leaves everything as it was."""
         if self._phase != "stepping":
-            return self._refuse_step(current_time, f"expected a call after initialisation, got one while {self._phase}")
+            why = self._initialise() if self._phase == "initializing" else None  # which a host cannot be told there
+            expected = f"expected a call after initialisation, got one while {self._phase}"
+            return self._refuse_step(current_time, "; ".join(filter(None, (expected, why))))
         if self._faults:
             reasons = "; ".join(self._faults.values())
             self._faults.clear()
@@ -239,6 +275,9 @@ class ComponentSlave(Fmi2Slave):
         if current_time + step_size > self._stop_time + SAME_TIME * max(1.0, abs(self._stop_time)):
             expected = f"expected a step to the stop time {self._stop_time} s at most"
             return self._refuse_step(current_time, f"{expected}, got one to {current_time + step_size} s")
+        if not abs(current_time + step_size) <= LATEST_TIME:
+            expected = f"expected a step that ends within {LATEST_TIME:g} s either way"
+            return self._refuse_step(current_time, f"{expected}, got {step_size} s")
         if problem := self._prepare():
             return self._refuse_step(current_time, problem)
         try:
@@ -246,11 +285,10 @@ class ComponentSlave(Fmi2Slave):
                 self._state, self._inputs(), self._coefficients, current_time, step_size
             )
             values = self._output_values(outputs)
-        except ArithmeticError as error:
+        except (ArithmeticError, ValueError) as error:  # Python's functions refuse what C's make a NaN of
             return self._refuse_step(current_time, f"{type(error).__name__}: {error}")
-        for variable, value in zip(self._variables[self._slices["output"]], values, strict=True):
-            if not math.isfinite(value):
-                return self._refuse_step(current_time, f"{variable.name}: expected a finite number, got {value}")
+        if problem := self._not_finite(values):
+            return self._refuse_step(current_time, problem)
         self._state = state
         self._values[self._slices["output"]] = values
         self._time = self._values[0] = current_time + step_size
@@ -272,9 +310,11 @@ class ComponentSlave(Fmi2Slave):
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
         if state.get("guid") != self.content_guid:
-            self._fault(
-                "state", f"state: expected one of {self.modelName} {self.content_guid}, got {state.get('guid')}"
-            )
+            got = str(state.get("guid"))[:100]
+            self._fault("state", f"state: expected one of {self.modelName} {self.content_guid}, got {got}")
+            return
+        if not self._is_possible(state):
+            self._fault("state", f"state: expected one of {self.modelName}, got what no instance can have")
             return
         self._phase = state["phase"]
         self._time = state["time"]
@@ -285,10 +325,45 @@ class ComponentSlave(Fmi2Slave):
         self._warned = list(state["warned"])
         self._coefficients = None
 
+    def _is_possible(self, state: dict[str, Any]) -> bool:
+        """Whether an instance can have got into a state of this form; what comes from bytes may be anything."""
+        try:
+            values = [v.type(x) for v, x in zip(self._variables, state["values"], strict=True)]
+            known = not any(
+                v.problem(x) for v, x in zip(self._variables, values, strict=True) if v.causality != "output"
+            )
+            calculated = all(math.isfinite(x) for x in values[self._slices["output"]])
+            time, texts = float(state["time"]), [*state["faults"].values(), *state["faults"], *state["warned"]]
+            plain = isinstance(state["outputs_due"], bool) and all(isinstance(text, str) for text in texts)
+            return bool(
+                known
+                and calculated
+                and plain
+                and abs(time) <= LATEST_TIME
+                and time == values[0]
+                and state["phase"] in _PHASES
+                and (state["state"] is not None or state["phase"] in _PHASES[:2])
+                and (state["state"] is None or self._is_state(state["state"], values, time, state["phase"]))
+            )
+        except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError):
+            return False
+
+    def _is_state(self, numbers: list[float], values: list[Any], time: float, phase: str) -> bool:
+        """Whether numbers are those of a model's state when it has reached a time, in s, with these values.
+
+        Before the steps it may be that of another time: it is made anew as the initialisation ends.
+        """
+        count = sum(field.length or 1 for field in state_fields(self.component.state))
+        if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
+            return False
+        state = state_of(self.component.state, numbers)
+        fits = phase != "stepping" or self.component.fits(state, self._parameters(values), time)
+        return numbers_of(state) == numbers and fits
+
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
         try:
             found = json.loads(state.decode("utf-8"))
-        except ValueError:
+        except (ValueError, RecursionError):
             found = None
         return found if isinstance(found, dict) else {"guid": "a byte string that is no state"}

@@ -15,6 +15,7 @@ enum { MOST_ROWS = 1000000, LONGEST_LINE = 1000, LONGEST_NUMBER = 60, LONGEST_SH
 
 static const double largest = 1e12;
 static const double widest_gap = 10.0;
+static const double shortest_step = 1e-6;
 
 /* A piece of a line. */
 typedef struct {
@@ -311,6 +312,9 @@ static int check(const reader_t *it, const recording_samples *samples)
     free(steps);
     for (size_t i = 0; i < count; ++i) {
         const double step = samples->times[i + 1] - samples->times[i];
+        if (step < shortest_step) {
+            return wrong(it, (long)i + 3, "expected a step of at least %g s, got %.10g s", shortest_step, step);
+        }
         if (step > widest_gap * median) {
             return wrong(it, (long)i + 3, "expected a step of at most %g times the median of %.10g s, got %.10g s",
                          widest_gap, median, step);

@@ -1,7 +1,8 @@
 """Recorded motion: the samples of a CSV file, or one clear reason why there are none.
 
 The first line names the columns: ``time`` in s and either ``acceleration`` in m/s2 or ``displacement`` in m; others are
-not looked at. Rows may come at any rate, as long as time rises and no step is ten times longer than the median one.
+not looked at. Rows may come at any rate up to 1 MHz, as long as time rises and no step is ten times longer than the
+median one.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ LARGEST = 1e12
 """Largest magnitude of a number, in its unit."""
 WIDEST_GAP = 10.0
 """Longest step, in medians of all steps."""
+SHORTEST_STEP = 1e-6
+"""In s: the differences over a much shorter one may be no numbers any more."""
 
 QUANTITIES = ("acceleration", "displacement")
 
@@ -134,6 +137,8 @@ def _rows(reader: _Reader) -> Samples:
     steps = [after - before for before, after in pairwise(times)]
     median = sorted(steps)[(len(steps) - 1) // 2]
     for i, step in enumerate(steps):
+        if step < SHORTEST_STEP:
+            raise reader.error(f"a step of at least {SHORTEST_STEP:g} s", f"{step:.10g} s", i + 3)
         if step > WIDEST_GAP * median:
             allowed = f"a step of at most {WIDEST_GAP:g} times the median of {median:.10g} s"
             raise reader.error(allowed, f"{step:.10g} s", i + 3)

@@ -382,6 +382,13 @@ const char *seat_plant_warning(const seat_plant_parameters *parameters)
     return NULL;
 }
 
+int seat_plant_fits(const seat_plant_state *state, const seat_plant_parameters *parameters, double time)
+{
+    const double pairs = 0.5 * state->line_length;
+    (void)parameters, (void)time;
+    return pairs >= 0.0 && pairs <= (double)SEAT_PLANT_PLACES && pairs == floor(pairs);
+}
+
 void seat_plant_initial(seat_plant_state *state, const seat_plant_inputs *inputs,
                         const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs)
 {

@@ -104,6 +104,9 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
 /* Nothing to think about: NULL. */
 const char *seat_plant_warning(const seat_plant_parameters *parameters);
 
+/* Whether the state can be one of a run: the delay line holds pairs, no more than there is room for. */
+int seat_plant_fits(const seat_plant_state *state, const seat_plant_parameters *parameters, double time);
+
 /* Start at rest in static equilibrium; a derived floor starts from the inputs' motion. */
 void seat_plant_initial(seat_plant_state *state, const seat_plant_inputs *inputs,
                         const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs);

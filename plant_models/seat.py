@@ -425,6 +425,11 @@ def advance(
     return state, _report(outputs, sensed, c, time + step_size)
 
 
+def fits(state: State, parameters: Parameters, time: float) -> bool:
+    """Whether the state can be one of a run: the delay line holds pairs, no more than there is room for."""
+    return state.line_length % 2 == 0 and 0 <= state.line_length <= 2 * act.PLACES
+
+
 SEAT_PLANT = Component(
     name="SeatPlant",
     description="Seat and driver as two masses on a suspension with Bouc-Wen friction, equations (1)-(2), (35)-(36)",
@@ -436,5 +441,6 @@ SEAT_PLANT = Component(
     prepare=prepare,
     initial=initial,
     advance=advance,
+    fits=fits,
     terminals=TERMINALS,
 )

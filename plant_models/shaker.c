@@ -13,7 +13,15 @@
 /* In s: what noise and the platform's acceleration are held for. */
 static const double tick_length = 0.002;
 
+/* In s: how far a tick may be from the time reached, hosts' rounding errors at late times included. */
+static const double farthest = 1.0;
+
 typedef shaker_coefficients coefficients_t;
+
+static int is_ticking(const shaker_parameters *p)
+{
+    return p->profile == SHAKER_RANDOM || p->platform_bandwidth > 0.0;
+}
 
 const char *shaker_prepare(const shaker_parameters *parameters, shaker_coefficients *coefficients)
 {
@@ -30,7 +38,7 @@ const char *shaker_prepare(const shaker_parameters *parameters, shaker_coefficie
         noise_prepare(p->random_class, p->random_scale, tick_length, &c->noise);
     }
     const char *problem = platform_prepare(p, tick_length, &c->platform);
-    c->ticking = p->profile == SHAKER_RANDOM || c->platform.present;
+    c->ticking = is_ticking(p);
     if (problem == NULL && p->profile == SHAKER_FILE) {
         problem = replay_load(p->file_path, p->file_high_pass, p->file_fade, &c->curve);
     }
@@ -125,6 +133,11 @@ static void ticking_floor(double time, const shaker_state *state, const coeffici
     } else {
         noise_motion(state->modes, &c->noise, c->stream, state->tick, since, floor);
     }
+}
+
+int shaker_fits(const shaker_state *state, const shaker_parameters *parameters, double time)
+{
+    return !is_ticking(parameters) || fabs(state->tick * tick_length - time) <= farthest;
 }
 
 void shaker_initial(shaker_state *state, const shaker_inputs *inputs, const shaker_coefficients *coefficients,

@@ -110,6 +110,9 @@ void shaker_release(shaker_coefficients *coefficients);
 /* Nothing to think about: NULL. */
 const char *shaker_warning(const shaker_parameters *parameters);
 
+/* Whether the state can be one of a run that has reached a time, in s: noise and platform are at its tick. */
+int shaker_fits(const shaker_state *state, const shaker_parameters *parameters, double time);
+
 /* Evaluate the floor at the start time, in s; noise and platform are at rest until the first tick. */
 void shaker_initial(shaker_state *state, const shaker_inputs *inputs, const shaker_coefficients *coefficients,
                     double time, shaker_outputs *outputs);

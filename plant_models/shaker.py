@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from fmus.component import Component, ParameterError, flushed
+from fmus.component import FARTHEST_TICK, Component, ParameterError, flushed
 from plant_models import noise, platform, replay
 from plant_models.example_recording import EXAMPLE, example
 from plant_models.profiles import SAME_INSTANT, bump, sine, sweep
@@ -154,6 +154,12 @@ def advance(
     return state, _floor(state, coefficients, end)
 
 
+def fits(state: State, parameters: Parameters, time: float) -> bool:
+    """Whether the state can be one of a run that has reached ``time``, in s: noise and platform are at its tick."""
+    ticking = parameters.profile == Profile.random or parameters.platform_bandwidth > 0.0
+    return not ticking or abs(state.tick * TICK - time) <= FARTHEST_TICK
+
+
 SHAKER = Component(
     name="Shaker",
     description="Vertical motion of the cabin floor: bump (34), sine, sweep, ISO 7096 random or a file",
@@ -165,6 +171,7 @@ SHAKER = Component(
     prepare=prepare,
     initial=initial,
     advance=advance,
+    fits=fits,
     terminals=TERMINALS,
     resources=lambda: {EXAMPLE: example()},
 )

@@ -53,7 +53,7 @@ def test_the_published_preset_is_the_fmus_default():
         ({"K1": [1.0]}, "expected numbers"),
         ({"L1": 5.0}, "L1: expected an observer gain below 0"),
         ({"driver_mass_min": 90.0}, "expected driver_mass_min < driver_mass_max, got 90.0 kg and 80.0 kg; swap them"),
-        ({"alpha": 0.0}, "alpha: expected a number above 0, got 0.0"),
+        ({"alpha": 0.0}, "alpha: expected a finite number above 0, got 0.0"),
         ({"P_2": "much"}, "expected numbers"),
     ],
 )

@@ -11,7 +11,7 @@ from pathlib import PurePosixPath
 
 from lxml import etree
 
-from cosim.archives import leaves, size_problems
+from cosim.archives import leaves
 from cosim.conformance.rule import Advice, NotApplicableError, rule
 from cosim.conformance.subject import Subject
 from cosim.mending import DESCRIPTION
@@ -97,8 +97,8 @@ def compression(fmu: Subject) -> Iterator[str]:
 
 
 @rule("archive.size", "The archive does not grow out of proportion when extracted", stage="archive")
-def size(fmu: Subject) -> Iterator[str]:
-    return size_problems(fmu.members)
+def size(fmu: Subject) -> list[str]:
+    return fmu.size_problems
 
 
 @rule("archive.description", f"There is a {DESCRIPTION} in the root", clause=_CLAUSE, stage="archive")

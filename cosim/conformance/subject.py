@@ -43,6 +43,11 @@ class Subject:
         return self.archive.infolist() if self.archive else []
 
     @cached_property
+    def size_problems(self) -> list[str]:
+        """What is wrong with the size of what the archive holds."""
+        return list(size_problems(self.archive)) if self.archive else []
+
+    @cached_property
     def files(self) -> dict[PurePosixPath, zipfile.ZipInfo]:
         """Members that are files, by path."""
         return {PurePosixPath(member.filename): member for member in self.members if not member.is_dir()}
@@ -63,7 +68,7 @@ class Subject:
     @cached_property
     def text(self) -> bytes | None:
         """The description's bytes; None where it is missing, cannot be read, or may have no end."""
-        if any(size_problems(self.members)):
+        if self.size_problems:
             return None
         try:
             assert self.archive is not None

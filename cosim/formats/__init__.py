@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from cosim.archives import is_file
 from cosim.errors import SetupError
 from cosim.formats.base import FileSink, Table, file_name
 from cosim.formats.csv_table import CsvSink
@@ -55,7 +56,7 @@ def read(path: Path) -> Table:
     kinds = {kind.suffix: kind for kind in FORMATS.values()}
     if path.suffix not in kinds:
         raise SetupError(f"{path}: expected a file named {', '.join(f'*{s}' for s in kinds)}, got {path.name}")
-    if not path.is_file():
+    if not is_file(path):
         raise SetupError(f"{path}: expected the result of a run, got no such file")
     table = kinds[path.suffix].read(path)
     if not table.names or table.names[0] != "time":

@@ -49,13 +49,15 @@ class CsvSink(FileSink):
     @classmethod
     def read(cls, path: Path) -> Table:
         """Read a table; a last line that was cut off by a crash is left out."""
-        with path.open(newline="", encoding="utf-8", errors="replace") as stream:
-            text = stream.read()
+        try:
+            text = path.read_bytes().decode("utf-8", errors="replace")
+        except OSError as error:
+            raise SetupError(f"{path}: expected a CSV table of numbers, got: {error.strerror}") from None
         body = io.StringIO(text[: text.rfind("\n") + 1], newline="")
         try:
             names = next(csv.reader(body), [])
-            start = body.tell()
-            rows = np.loadtxt(body, delimiter=",", ndmin=2) if len(text) > start else np.empty((0, len(names)))
+            found = [line for line in body.read().splitlines() if line.strip()]
+            rows = np.loadtxt(found, delimiter=",", ndmin=2, comments=None) if found else np.empty((0, len(names)))
         except (ValueError, csv.Error) as error:
             raise SetupError(f"{path}: expected a CSV table of numbers, got: {error}") from None
         if rows.shape[1] != len(names):

@@ -8,7 +8,7 @@ import zlib
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
-from cosim.archives import leaves, open_archive
+from cosim.archives import is_file, leaves, open_archive
 from cosim.errors import SetupError
 from cosim.model import Model
 
@@ -59,7 +59,7 @@ class Package:
         if self._path.suffix.lower() == ".ssd":
             self.where = self._path
             return
-        if not self._path.is_file():
+        if not is_file(self._path):
             raise SetupError(f"{self._path}: expected a system structure (.ssp or .ssd), got no such file")
         try:
             with open_archive(self._path, self._path) as archive:

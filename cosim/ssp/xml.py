@@ -16,6 +16,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 from lxml import etree
 
 from cosim.errors import SetupError
+from cosim.xml_data import parse
 
 NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
@@ -200,26 +201,6 @@ def _against_schema(root: Any) -> str | None:
     return None
 
 
-def _parse(data: bytes, where: str) -> Any:
-    """Parse XML that may come from anywhere: no network, no document type, no entities, no huge trees.
-
-    Raises
-    ------
-    SetupError
-        If it is none of that kind.
-    """
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, remove_comments=True, remove_pis=True
-    )
-    try:
-        root = etree.fromstring(data, parser)
-    except (etree.XMLSyntaxError, ValueError, LookupError) as error:
-        raise SetupError(f"{where}: expected XML, got: {error}") from None
-    if root.getroottree().docinfo.doctype:
-        raise SetupError(f"{where}: expected XML without a document type, got one")
-    return root
-
-
 def read_document(cls: type[D], data: bytes, where: str) -> D:
     """Read a document.
 
@@ -237,7 +218,7 @@ def read_document(cls: type[D], data: bytes, where: str) -> D:
     SetupError
         If it is no XML, another document, of another version, or against the schema.
     """
-    root = _parse(data, where)
+    root = parse(data, where, remove_comments=True, remove_pis=True)
     if root.tag != _qualified(cls.ROOT):
         raise SetupError(f"{where}: expected <{cls.ROOT}> of SSP 1.0, got <{etree.QName(root).localname}>")
     version = root.get("version", "none")

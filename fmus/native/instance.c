@@ -273,9 +273,16 @@ static Status initialise(Instance *it, const char *function, Status failure)
         return failure;
     }
     const ModelInputs inputs = model_inputs(it->values);
+    ModelState state = {0};
     ModelOutputs outputs;
-    model_initial(&it->state, &inputs, &it->coefficients, it->values[0], &outputs);
-    model_store_outputs(&outputs, it->values);
+    double values[VARIABLE_COUNT];
+    model_initial(&state, &inputs, &it->coefficients, it->values[0], &outputs);
+    model_store_outputs(&outputs, values);
+    if (check_finite(it, function, failure, values, FIRST_OUTPUT, OUTPUT_COUNT) != STATUS_OK) {
+        return failure;
+    }
+    memcpy(&it->state, &state, sizeof state);
+    memcpy(it->values + FIRST_OUTPUT, values + FIRST_OUTPUT, OUTPUT_COUNT * sizeof *values);
     it->outputs_due = false;
     return STATUS_OK;
 }
@@ -302,6 +309,10 @@ static Status check_step(Instance *it, const char *function, double time, double
     if (time + step_size > it->stop_time + SAME_TIME * fmax(1.0, fabs(it->stop_time))) {
         return instance_fail(it, function, "expected a step to the stop time %.10g s at most, got one to %.10g s",
                              it->stop_time, time + step_size);
+    }
+    if (!(fabs(time + step_size) <= LATEST_TIME)) {
+        return instance_fail(it, function, "expected a step that ends within %.10g s either way, got %.10g s at t = %.10g s",
+                             LATEST_TIME, step_size, time);
     }
     return check_finite(it, function, STATUS_ERROR, it->values, FIRST_INPUT, INPUT_COUNT);
 }
@@ -533,19 +544,64 @@ static void take(const Instance *it, Snapshot *snapshot)
     snapshot->checksum = checksum(snapshot);
 }
 
+static bool is_whole(double number)
+{
+    return number == floor(number);
+}
+
+/* Whether a value can be that of a variable. */
+static bool is_value(const Variable *variable, double value)
+{
+    switch (variable->causality) {
+    case CAUSALITY_INDEPENDENT:
+        return fabs(value) <= LATEST_TIME;
+    case CAUSALITY_LOCAL:
+        return value == variable->start;
+    default:
+        return is_legal(variable, value) && (variable->type == TYPE_REAL || is_whole(value));
+    }
+}
+
+/* Whether an instance can have got into this state. A checksum shows damage, not intent: what goes beyond is looked at. */
+static bool is_possible(const Snapshot *snapshot)
+{
+    const double *flags = snapshot->content, *values = flags + VALUES_AT, *packed = flags + STATE_AT;
+    const double phase = flags[FLAG_PHASE];
+    const char *texts[TEXT_COUNT + 1] = {NULL};
+    bool fine = phase >= 0.0 && phase < (double)PHASE_COUNT && is_whole(phase);
+    for (size_t i = FLAG_PHASE + 1; i < FLAG_COUNT; ++i) {
+        fine = fine && (flags[i] == 0.0 || flags[i] == 1.0);
+    }
+    for (size_t i = 0; i < VARIABLE_COUNT; ++i) {
+        fine = fine && is_value(&variables[i], values[i]);
+    }
+    for (size_t i = 0; i < STATE_COUNT; ++i) {
+        fine = fine && isfinite(packed[i]);
+    }
+    for (size_t i = TEXT_COUNT; i-- > 0;) {
+        texts[i] = snapshot->texts + i * TEXT_SIZE;
+        fine = fine && memchr(texts[i], '\0', TEXT_SIZE) != NULL;
+    }
+    if (fine && phase == (double)PHASE_STEPPING) {
+        const ModelParameters parameters = model_parameters(values, texts);
+        ModelState state = {0};
+        model_unpack(&state, packed);
+        fine = model_fits(&state, &parameters, values[0]);
+    }
+    return fine;
+}
+
 /* What is wrong with bytes that should be a state of this model, or NULL. */
 static const char *flaw(const Snapshot *snapshot, size_t size)
 {
-    const double phase = snapshot->content[FLAG_PHASE];
     if (memcmp(snapshot->magic, magic, sizeof magic) != 0 ||
         memcmp(snapshot->token, MODEL_TOKEN, sizeof MODEL_TOKEN) != 0) {
         return "bytes of another origin";
     }
-    if (snapshot->size != size || snapshot->checksum != checksum(snapshot) ||
-        !(phase >= 0.0 && phase < (double)PHASE_COUNT)) {
+    if (snapshot->size != size || snapshot->checksum != checksum(snapshot)) {
         return "damaged bytes";
     }
-    return NULL;
+    return is_possible(snapshot) ? NULL : "numbers or texts that no instance can have";
 }
 
 Status instance_get_state(const Instance *it, const char *function, void **state)
@@ -574,20 +630,37 @@ static bool has_parameters(const Instance *it, const Snapshot *snapshot)
     return same;
 }
 
+static void put(Instance *it, const Snapshot *snapshot)
+{
+    it->phase = (Phase)(int)snapshot->content[FLAG_PHASE];
+    it->outputs_due = snapshot->content[FLAG_OUTPUTS_DUE] > 0.0;
+    it->warned = snapshot->content[FLAG_WARNED] > 0.0;
+    memcpy(it->values, snapshot->content + VALUES_AT, sizeof it->values);
+    memcpy(it->texts, snapshot->texts, sizeof it->texts);
+    model_unpack(&it->state, snapshot->content + STATE_AT);
+}
+
 Status instance_set_state(Instance *it, const char *function, const void *state)
 {
     const Snapshot *snapshot = state;
     if (it == NULL || snapshot == NULL) {
         return instance_fail(it, function, "expected a state, got a null pointer");
     }
-    it->phase = (Phase)(int)snapshot->content[FLAG_PHASE];
-    it->outputs_due = snapshot->content[FLAG_OUTPUTS_DUE] > 0.0;
-    it->warned = snapshot->content[FLAG_WARNED] > 0.0;
-    it->prepared = it->prepared && has_parameters(it, snapshot);
-    memcpy(it->values, snapshot->content + VALUES_AT, sizeof it->values);
-    memcpy(it->texts, snapshot->texts, sizeof it->texts);
-    model_unpack(&it->state, snapshot->content + STATE_AT);
-    return it->phase == PHASE_STEPPING ? prepare(it, function, STATUS_ERROR) : STATUS_OK; /* not to do so in a step */
+    const bool prepared = it->prepared;
+    it->prepared = prepared && has_parameters(it, snapshot);
+    if (it->prepared || snapshot->content[FLAG_PHASE] != (double)PHASE_STEPPING) {
+        put(it, snapshot);
+        return STATUS_OK;
+    }
+    Snapshot before; /* the instance stays as it is where the state's parameters no longer work: a file may be gone */
+    take(it, &before);
+    put(it, snapshot);
+    const Status status = prepare(it, function, STATUS_ERROR); /* now, not in a step */
+    if (status != STATUS_OK) {
+        put(it, &before);
+        it->prepared = prepared;
+    }
+    return status;
 }
 
 Status instance_free_state(const Instance *it, const char *function, void **state)

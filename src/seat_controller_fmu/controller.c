@@ -24,6 +24,9 @@ static const double pi = 3.14159265358979323846;
 /* A sample is due if its time is reached within this share of the sample time: hosts add up rounding errors. */
 static const double same_sample = 1e-3;
 
+/* In s: how far the next sample may be from the time reached, hosts' rounding errors at late times included. */
+static const double farthest = 1.0;
+
 /* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
 static real flushed(real state)
 {
@@ -136,6 +139,11 @@ static void sample(seat_controller_state *state, const seat_controller_inputs *i
     state->demand = flushed(u);
     state->force = flushed(u_sat);
     state->estimate = flushed(F_hat);
+}
+
+int seat_controller_fits(const seat_controller_state *state, const seat_controller_parameters *parameters, double time)
+{
+    return fabs(state->next_sample * (double)parameters->sample_time - time) <= farthest;
 }
 
 void seat_controller_start(seat_controller_state *state)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from fmus.component import Component, ParameterError, flushed
+from fmus.component import FARTHEST_TICK, Component, ParameterError, flushed
 from seat_controller_fmu.fuzzy import MassRange, observer_gain
 from seat_controller_fmu.interface import TERMINALS, Constants, Inputs, Outputs, Parameters
 from seat_controller_fmu.parameters import SAMPLE_TIME
@@ -252,6 +252,11 @@ def warnings(parameters: Parameters) -> list[str]:
     ]
 
 
+def fits(state: State, parameters: Parameters, time: float) -> bool:
+    """Whether the state can be one of a run that has reached ``time``, in s: its next sample is near."""
+    return abs(state.next_sample * SAMPLE_TIME.value - time) <= FARTHEST_TICK
+
+
 SEAT_CONTROLLER = Component(
     name="SeatController",
     description="Disturbance observer based Takagi-Sugeno fuzzy controller of an active seat suspension, 500 Hz",
@@ -264,6 +269,7 @@ SEAT_CONTROLLER = Component(
     prepare=prepare,
     initial=initial,
     advance=advance,
+    fits=fits,
     warnings=warnings,
     terminals=TERMINALS,
     sample_time=SAMPLE_TIME.value,

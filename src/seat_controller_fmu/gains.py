@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from importlib.resources import files
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -55,14 +56,14 @@ class Setting:
 
     def __post_init__(self) -> None:
         problems = [
-            f"{name}: expected a number above 0, got {getattr(self, name)}"
+            f"{name}: expected a finite number above 0, got {getattr(self, name)}"
             for name in ("driver_mass_min", "driver_mass_max", "alpha", "c_0", "P_2")
-            if not getattr(self, name) > 0.0
+            if not 0.0 < getattr(self, name) < inf
         ]
         problems += [
             f"{name}: expected an observer gain below 0 (a stable observer), got {getattr(self, name)}"
             for name in ("L1", "L2")
-            if not getattr(self, name) < 0.0
+            if not -inf < getattr(self, name) < 0.0
         ]
         if not self.driver_mass_min < self.driver_mass_max:
             problems.append(
@@ -175,7 +176,7 @@ class Gains:
         """
         try:
             content = json.loads(text)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise GainsError(f"{where}: expected JSON, got: {error}") from error
         if not isinstance(content, dict):
             raise GainsError(f"{where}: expected a JSON object, got a {type(content).__name__}")
@@ -202,7 +203,7 @@ class Gains:
             )
         except GainsError as error:
             raise GainsError(f"{where}: {error}") from error
-        except (TypeError, ValueError, IndexError) as error:
+        except (TypeError, ValueError, LookupError, OverflowError) as error:
             raise GainsError(f"{where}: expected numbers, got: {error}") from error
 
     def to_ssv(self) -> str:
@@ -226,8 +227,10 @@ class Gains:
 
 
 def _pair(values: Any) -> Pair:
-    first, second = values
-    return float(first), float(second)
+    first, second = map(float, values)
+    if not (isfinite(first) and isfinite(second)):
+        raise GainsError(f"expected two finite numbers, got {first} and {second}")
+    return first, second
 
 
 def preset(name: str) -> Gains:
@@ -247,6 +250,8 @@ def load(name_or_file: str) -> Gains:
     if name_or_file in PRESETS:
         return preset(name_or_file)
     path = Path(name_or_file)
-    if not path.is_file():
-        raise GainsError(f"gains: expected one of {', '.join(PRESETS)} or a file, got {name_or_file}")
-    return Gains.from_json(path.read_text(encoding="utf-8", errors="replace"), str(path))
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except (OSError, ValueError):  # none of that name, or none that could have it
+        raise GainsError(f"gains: expected one of {', '.join(PRESETS)} or a file, got {name_or_file}") from None
+    return Gains.from_json(text, str(path))

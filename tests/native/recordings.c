@@ -1,6 +1,6 @@
 /* Loads recordings by the paths on the standard input, one a line. Prints what is wrong with each, or its motion at some
  * times: displacement, velocity and acceleration. Corner frequency, fade and, if it is not C, the locale to load them in
- * come from the command line. */
+ * come from the command line. Each answer is there before the next path is read. */
 #include "replay.h"
 
 #include <locale.h>
@@ -22,6 +22,7 @@ int main(int count, char *words[])
         setlocale(LC_ALL, "C");
         if (problem != NULL) {
             printf("%s\n", problem);
+            fflush(stdout);
             continue;
         }
         for (double time = -0.5; time < 3.0; time += 0.0371) {
@@ -33,6 +34,7 @@ int main(int count, char *words[])
             }
         }
         printf("\n");
+        fflush(stdout);
         replay_free(&curve);
     }
     return 0;
