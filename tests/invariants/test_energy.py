@@ -134,7 +134,7 @@ def test_whatever_gives_energy_instead_of_taking_it_is_noticed(name: str):
     stopped = seats.map(
         lambda p: replace(p, end_stop_travel=0.005, **{name: 10.0 * getattr(Parameters(), name) or 3e3})
     )
-    fails(120, perturbed, p=stopped, share=beginnings, step=steps)
+    fails(2000, perturbed, p=stopped, share=beginnings, step=steps)
 
 
 # ---- through the FMUs ------------------------------------------------------------------------------------------------

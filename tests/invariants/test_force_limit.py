@@ -63,7 +63,7 @@ def test_the_kernels_force_stays_within_any_limit(count: int):
 
 
 def test_a_force_that_is_changed_after_the_limit_is_noticed():
-    fails(100, lambda given, history: check(given, history, 1e-6), given=parameters, history=histories)
+    fails(1000, lambda given, history: check(given, history, 1e-6), given=parameters, history=histories)
 
 
 # ---- through the FMUs ------------------------------------------------------------------------------------------------

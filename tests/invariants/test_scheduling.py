@@ -175,7 +175,7 @@ def test_switching_between_gains_instead_of_blending_them_is_noticed(monkeypatch
         check_force(p, middle - 0.5 * further, further, history)
 
     monkeypatch.setattr(MassRange, "memberships", switched)
-    fails(100, across_the_switch, p=st.sampled_from(variants()), further=apart, history=histories)
+    fails(1000, across_the_switch, p=st.sampled_from(variants()), further=apart, history=histories)
 
 
 # ---- through the FMUs ------------------------------------------------------------------------------------------------
