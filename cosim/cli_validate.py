@@ -19,8 +19,8 @@ from cosim.errors import SetupError
 
 @click.command("validate")
 @click.argument("files", type=click.Path(path_type=Path), nargs=-1, metavar="FILE.fmu...")
-@click.option("--rule", "only", multiple=True, metavar="ID", help="Show this rule alone; repeatable.")
-@click.option("--skip", multiple=True, metavar="ID", help="Leave this rule out; repeatable.")
+@click.option("--rule", "only", multiple=True, metavar="ID|GROUP", help="Show this rule, or group, alone; repeatable.")
+@click.option("--skip", multiple=True, metavar="ID|GROUP", help="Leave this rule, or group, out; repeatable.")
 @click.option("--strict", is_flag=True, help="Warnings count as errors.")
 @click.option("--json", "target", metavar="FILE", help="Write the outcomes as JSON; - for standard output.")
 @click.option("--full", is_flag=True, help="Show all messages of a rule.")
@@ -54,6 +54,7 @@ def validate_command(
       seat-cosim validate fmus/fmi3/SeatPlant.fmu
       seat-cosim validate --strict --json report.json *.fmu
       seat-cosim validate --rule life.reset --rule state.continues Foreign.fmu
+      seat-cosim validate --skip life --skip steps Foreign.fmu
       seat-cosim validate --list
     """
     if listing:

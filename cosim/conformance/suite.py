@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import tempfile
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -87,6 +87,19 @@ def load_rules() -> dict[str, Rule]:
     return {rule.id: rule for rule in ordered}
 
 
+def _named(words: Iterable[str], rules: Iterable[str]) -> set[str]:
+    """Return the rules that ids and groups stand for; a word that is neither is an error."""
+    groups: dict[str, set[str]] = {}
+    for name in rules:
+        groups.setdefault(name.partition(".")[0], set()).add(name)
+        groups[name] = {name}
+    for word in words:
+        if word not in groups:
+            expected = ", ".join(name for name in groups if "." not in name)
+            raise SetupError(f"rule {word}: expected an id that --list shows, or one of {expected}; got no such rule")
+    return set().union(*(groups[word] for word in words))
+
+
 def validate(
     path: Path,
     *,
@@ -103,9 +116,10 @@ def validate(
     path
         The file.
     only
-        Ids of the rules to show; all if empty. What they need is applied, too, but not shown.
+        Rules to show, by id or group (``life.reset``, ``life``); all if empty. What they need is applied, too, but
+        not shown.
     skip
-        Ids of rules to leave out.
+        Rules to leave out, likewise.
     time_limit
         How long a rule may run the FMU, in s.
     processes
@@ -121,9 +135,8 @@ def validate(
     rules = load_rules()
     if not path.is_file():
         raise SetupError(f"{path}: expected an FMU, got no such file")
-    if unknown := [name for name in (*only, *skip) if name not in rules]:
-        raise SetupError(f"rule {unknown[0]}: expected one of {', '.join(rules)}, got no such rule")
-    wanted = [name for name in rules if name not in skip and (not only or name in only)]
+    shown, left_out = _named(only, rules), _named(skip, rules)
+    wanted = [name for name in rules if name not in left_out and (not only or name in shown)]
     with ExitStack() as stack:
         work = _Work(Subject(path), processes or stack.enter_context(Processes()), time_limit)
         stack.callback(work.subject.close)

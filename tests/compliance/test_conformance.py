@@ -141,6 +141,15 @@ def test_command_fails_for_ci_and_tells_json(shell: Shell, workshop: Workshop):
     assert shell("validate", str(path), *both, "--skip", "description.experiment")[0] == 0
 
 
+def test_groups_of_rules_are_chosen_and_left_out(native: Path):
+    running = ("binary", "life", "steps", "state", "hygiene")
+    for words in ({"only": ("archive", "description.schema")}, {"skip": ("variables", "structure", *running)}):
+        shown = set(validate(native / "fmi2" / "Shaker.fmu", **words).outcomes)
+        assert "description.schema" in shown
+        assert {"archive.paths", "archive.size"} <= shown
+        assert not {name for name in shown if name.startswith(("variables.", "structure.", *running))}
+
+
 def test_warnings_count_only_where_that_is_asked_for(shell: Shell, workshop: Workshop, tmp_path: Path):
     path = workshop.make(archive=lambda members: members | {"notes.txt": b"remember"})
     assert shell("validate", str(path), "--rule", "archive.stray")[0] == 0
@@ -155,7 +164,7 @@ def test_warnings_count_only_where_that_is_asked_for(shell: Shell, workshop: Wor
     [
         (["nowhere.fmu"], "nowhere.fmu: expected an FMU, got no such file"),
         ([], "Missing argument"),
-        (["{fmu}", "--rule", "life.forever"], "rule life.forever: expected one of archive.readable"),
+        (["{fmu}", "--rule", "life.forever"], "rule life.forever: expected an id that --list shows, or one of archive"),
         (["{fmu}", "--time-limit", "0"], "--time-limit"),
         (["{fmu}", "--json", "no/such/folder.json", "--rule", "archive.paths"], "--json no/such/folder.json: expected"),
     ],
