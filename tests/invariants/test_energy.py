@@ -92,6 +92,8 @@ def growth(p: Parameters, c: Coefficients, share: tuple[float, ...], step: float
         state, _ = advance(state, Inputs(), c, k * step, step)
         after = energy(state, p)
         worst = max(worst, (after - before - ROUNDING) / max(before, ROUNDING))
+        if worst > 1.0:  # enough said, before it leads beyond all floats
+            return worst
         before = after
     return worst
 
