@@ -69,8 +69,3 @@ class Slave(_slave.ComponentSlave):  # type: ignore[misc, name-defined]
         if "logger" in kwargs:  # which a host passes, and the builder does not
             _make_up_for_pythonfmu(Path(kwargs["resources"]), self.component.name)
         super().__init__(**kwargs)
-
-
-# It would hold each instance's class for ever: let all be of the first one.
-_first = globals().setdefault("_first", Slave)
-Slave = _first  # type: ignore[misc]

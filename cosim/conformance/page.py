@@ -56,7 +56,7 @@ Seen with the FMUs at hand; each finding was looked up in the standard.
 - **The native FMUs of this repository**: nothing. When the suite was first run, they did not refuse a step past the
   announced stop time, and the Python flavours of seat and shaker could not set a state outside this repository. Both
   are mended.
-- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `hygiene.memory` (4 KiB
+- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `hygiene.memory` (5 KiB
   for each instance); warnings of `life.token`, `life.call-order` and `life.fixed`. All are of pythonfmu's library,
   which answers these calls itself or has no way to refuse.
 - **Raw pythonfmu** (`examples/foreign`, `examples/controllers`): as above, and `steps.stop-time`, `steps.backward`,
