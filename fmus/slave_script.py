@@ -5,6 +5,8 @@ or the host have loaded under the same module names. (The script's own name carr
 
 pythonfmu 0.7.0 imports this file once per process, but also executes it anew with every instance, in the same names; by
 then the folder of the first instance may be gone. So everything that reads files is done the first time only.
+The class is made anew, and some kilobytes of it stay with each instance; but it must be: pythonfmu releases it once too
+often, and a host crashes as it ends if all instances share one.
 """
 
 from __future__ import annotations
