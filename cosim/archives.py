@@ -73,16 +73,30 @@ def leaves(name: str) -> bool:
     return "\\" in name or ":" in name or "\0" in name or path.is_absolute() or ".." in path.parts
 
 
+def is_special(member: zipfile.ZipInfo) -> bool:
+    """Whether a member is neither file nor folder, but a link or a device."""
+    return stat.S_IFMT(member.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR)
+
+
+def is_encrypted(member: zipfile.ZipInfo) -> bool:
+    """Whether a member is encrypted."""
+    return bool(member.flag_bits & 1)
+
+
+def is_outside(member: zipfile.ZipInfo) -> bool:
+    """Whether a member's path, as it was before zipfile makes it harmless, may leave the folder, or names nothing."""
+    return leaves(member.orig_filename) or not PurePosixPath(member.orig_filename).parts
+
+
 def _problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
     times = Counter(str(PurePosixPath(member.filename)) for member in members)
     for member in members:
-        name = member.orig_filename  # before zipfile makes it harmless
-        kind = stat.S_IFMT(member.external_attr >> 16)
-        if leaves(name) or not PurePosixPath(name).parts:
+        name = member.orig_filename
+        if is_outside(member):
             yield f"member {name!r}: expected a relative path with forward slashes inside the archive"
-        if kind not in (0, stat.S_IFREG, stat.S_IFDIR):
+        if is_special(member):
             yield f"member {name!r}: expected a file or folder, got a link or a device"
-        if member.flag_bits & 1:
+        if is_encrypted(member):
             yield f"member {name!r}: expected no encryption, got an encrypted member"
         if times[str(PurePosixPath(member.filename))] > 1:
             times[str(PurePosixPath(member.filename))] = 0

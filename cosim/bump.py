@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from cosim.figures import Curve, Panel, draw
+from cosim.metrics import peak, rms
 from cosim.model import Value
 from cosim.results import Result
 from cosim.run_folder import run_to_folder
@@ -115,11 +116,11 @@ def disturbance(result: Result, mass: float) -> np.ndarray[Any, Any]:
 
 
 def _peak(name: str) -> Callable[[Result], float]:
-    return lambda result: float(np.abs(result[name]).max())
+    return lambda result: peak(result[name])
 
 
 def _rms(name: str) -> Callable[[Result], float]:
-    return lambda result: float(np.sqrt(np.mean(result[name] ** 2)))
+    return lambda result: rms(result[name])
 
 
 @dataclass(frozen=True)
@@ -193,7 +194,7 @@ def figures(results: Mapping[str, Result], cases: Mapping[str, Case], mass: floa
 
     time = results["uncontrolled"].time
     observers = [name for name in results if name != "uncontrolled"]
-    limit = float(max(np.abs(results[name]["controller.force"]).max() for name in observers))
+    limit = max(peak(results[name]["controller.force"]) for name in observers)
     acceleration = Panel("Driver acceleration (m/s²)", time, curves("seat.driver_acceleration", list(results)), {})
     estimates = [
         Panel(

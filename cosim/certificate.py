@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import base64
 import csv
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cosim.errors import writing_to
 from cosim.evaluation import COLUMNS, SEAT_LIMITS, SPREAD, Cell, Column, Evaluation, Protocol
 from cosim.heat_map import HeatMap, draw_heat_maps
 from cosim.manifest import Manifest, sha256
+from cosim.page import embedded, render
 
 PAGE, TABLE, SYSTEM, FIGURE = "evaluation.html", "evaluation.csv", "system.ssp", "seat"
 """Names of the files; the figure's without suffix."""
@@ -159,15 +158,13 @@ def _table(evaluation: Evaluation, first: Evaluation) -> _Table:
 def _page(
     evaluations: Sequence[Evaluation], words: Mapping[str, Mapping[str, str]], figure: Path, notes: Sequence[str]
 ) -> str:
-    environment = Environment(
-        loader=PackageLoader("cosim", "."), autoescape=True, trim_blocks=True, undefined=StrictUndefined
-    )
     first = evaluations[0]
-    return environment.get_template("certificate.html.jinja").render(
+    return render(
+        "certificate.html.jinja",
         title=f"Vibration isolation: {first.subject.title}",
         verdict=verdict(first),
         notes=notes,
-        image="data:image/svg+xml;base64," + base64.b64encode(figure.read_bytes()).decode("ascii"),
+        image=embedded(figure),
         tables=[_table(each, first) for each in evaluations],
         words=words,
     )

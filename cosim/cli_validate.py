@@ -5,16 +5,18 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 from rich.box import SIMPLE
 from rich.table import Table
 
-from cosim.conformance import report
-from cosim.conformance.process import Processes
-from cosim.conformance.suite import TIME_LIMIT, Examination, load_rules, validate
+from cosim.conformance import TIME_LIMIT
 from cosim.console import console, progress_shown
 from cosim.errors import SetupError
+
+if TYPE_CHECKING:  # the suite is loaded by this command alone
+    from cosim.conformance.suite import Examination
 
 
 @click.command("validate")
@@ -57,6 +59,10 @@ def validate_command(
       seat-cosim validate --skip life --skip steps Foreign.fmu
       seat-cosim validate --list
     """
+    from cosim.conformance import report
+    from cosim.conformance.process import Processes
+    from cosim.conformance.suite import validate
+
     if listing:
         console.print(_listing())
         return
@@ -86,6 +92,8 @@ def validate_command(
 
 def _conclude(found: list[Examination], target: str | None) -> None:
     """Write JSON where that is asked for, and print a line for each FMU."""
+    from cosim.conformance import report
+
     if target is not None:
         text = json.dumps(report.data(found), indent=2) + "\n"
         if target == "-":
@@ -100,6 +108,8 @@ def _conclude(found: list[Examination], target: str | None) -> None:
 
 
 def _listing() -> Table:
+    from cosim.conformance.suite import load_rules
+
     table = Table("rule", "severity", "runs the FMU", "what holds", box=SIMPLE)
     for rule in load_rules().values():
         table.add_row(rule.id, rule.severity, "yes" if rule.stage == "behaviour" else "", rule.title)

@@ -14,6 +14,10 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+REPRODUCIBLE: Any = {"svg.hashsalt": "seat-cosim"}
+"""Settings under which the same figure has the same bytes."""
 
 _STYLE: Any = {
     "axes.grid": True,
@@ -27,7 +31,7 @@ _STYLE: Any = {
     "legend.frameon": False,
     "legend.handlelength": 1.6,
     "lines.linewidth": 1.2,
-    "svg.hashsalt": "seat-cosim",
+    **REPRODUCIBLE,
 }
 _NARROW = 6.0
 """Figures less wide, in inches, have legends of two columns: they are for pages that a phone shows as well."""
@@ -146,10 +150,15 @@ def draw(
                 axis.set_xlabel(panel.x_label or x_label)
         axes[-1, 0].set_xlabel(panels[-1].x_label or x_label)
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
-        for target in (path, *copies):
-            figure.savefig(target, dpi=dpi or "figure", metadata=_UNDATED[target.suffix])
-            figure.set_layout_engine("none")  # once is enough
-        plt.close(figure)
+        save(figure, (path, *copies), dpi)
+
+
+def save(figure: Figure, paths: Iterable[Path], dpi: float | None = None) -> None:
+    """Save a figure without dates and versions, and close it; ``dpi`` is its own where None."""
+    for path in paths:
+        figure.savefig(path, dpi=dpi or "figure", metadata=_UNDATED[path.suffix])
+        figure.set_layout_engine("none")  # once is enough
+    plt.close(figure)
 
 
 _UNDATED: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-
-mpl.use("Agg")
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Rectangle
 
-_STYLE: Any = {"figure.dpi": 120, "font.size": 9, "svg.hashsalt": "seat-cosim", "svg.fonttype": "none"}
+from cosim.figures import REPRODUCIBLE, save
+
+_STYLE: Any = {"figure.dpi": 120, "font.size": 9, **REPRODUCIBLE, "svg.fonttype": "none"}
 _WIDEST = 2.0
 """Where the colours end; white is 1."""
 _STRENGTH = 0.6
@@ -58,7 +57,4 @@ def draw_heat_maps(paths: Iterable[Path], maps: Sequence[HeatMap]) -> None:
                 axis.text(j, i, f"{value:.2f}", ha="center", va="center")
                 if each.framed[i, j]:
                     axis.add_patch(Rectangle((j - 0.46, i - 0.44), 0.92, 0.88, fill=False, lw=1.5))
-        for path in paths:
-            none = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}[path.suffix]
-            figure.savefig(path, metadata=none)
-        plt.close(figure)
+        save(figure, paths)

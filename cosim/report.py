@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 import csv
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cosim.figures import draw
 from cosim.formats.csv_table import head, lines
+from cosim.page import embedded, render
 from cosim.paper.contents import CONTENTS, Entry
 from cosim.paper.finding import Finding, Kind, Row
 
@@ -71,14 +70,12 @@ def _draw(folder: Path, entry: Entry, finding: Finding) -> str:
     vector = folder / f"{entry.key}.svg"
     title = f"As the paper's {entry.number}: {entry.title}" if entry.in_paper else entry.title
     draw(vector, title, finding.panels, finding.x_label, width=_WIDTH, copies=[vector.with_suffix(".png")])
-    return "data:image/svg+xml;base64," + base64.b64encode(vector.read_bytes()).decode("ascii")
+    return embedded(vector)
 
 
 def _page(items: Sequence[tuple[Entry, Finding]], images: dict[str, str]) -> str:
-    environment = Environment(
-        loader=PackageLoader("cosim", "."), autoescape=True, trim_blocks=True, undefined=StrictUndefined
-    )
-    return environment.get_template("report.html.jinja").render(
+    return render(
+        "report.html.jinja",
         title=_TITLE,
         preface=_PREFACE,
         meanings=_MEANINGS,

@@ -13,18 +13,13 @@ import numpy as np
 from cosim import Result
 from cosim.metrics import Spectrum, peak, psd, rms, sine_transmissibility
 from cosim.model import Value
+from cosim.paper.lab import DRIVER, FLOOR, SEAT
+from cosim.paper.ride import DURATION, SEEDS, SETTLE
 from cosim.scenarios import driver_mass, seat_suspension
 
 Array = np.ndarray[Any, Any]
 Parameters = Mapping[str, Value]
 
-SEAT, DRIVER, FLOOR = "seat.seat_acceleration", "seat.driver_acceleration", "shaker.floor_acceleration"
-SETTLE = 10.0
-"""s; what is left out of each ride while the noise begins."""
-DURATION = 300.0
-"""s of each ride that count."""
-SEEDS = tuple(range(1, 9))
-"""Of the fits: 40 minutes together."""
 FEW_SEEDS = SEEDS[:2]
 """Of surveys, which compare under one excitation."""
 RESOLUTION = 0.125

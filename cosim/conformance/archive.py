@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import stat
 import zipfile
 from collections import Counter
 from collections.abc import Iterator
@@ -11,7 +10,7 @@ from pathlib import PurePosixPath
 
 from lxml import etree
 
-from cosim.archives import leaves
+from cosim.archives import is_encrypted, is_outside, is_special, leaves
 from cosim.conformance.rule import Advice, NotApplicableError, rule
 from cosim.conformance.subject import Subject
 from cosim.mending import DESCRIPTION
@@ -65,7 +64,7 @@ def readable(fmu: Subject) -> Iterator[str]:
 @rule("archive.paths", "Paths are relative, with forward slashes, and stay inside", clause=_CLAUSE, stage="archive")
 def paths(fmu: Subject) -> Iterator[str]:
     for member in fmu.members:
-        if leaves(member.orig_filename) or not PurePosixPath(member.filename).parts:
+        if is_outside(member):
             yield f"member {member.orig_filename!r}: expected a relative path with forward slashes inside the archive"
 
 
@@ -83,9 +82,9 @@ def duplicates(fmu: Subject) -> Iterator[str]:
 @rule("archive.kinds", "Members are files and folders, neither links nor encrypted", clause=_CLAUSE, stage="archive")
 def kinds(fmu: Subject) -> Iterator[str]:
     for member in fmu.members:
-        if stat.S_IFMT(member.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR):
+        if is_special(member):
             yield f"member {member.filename}: expected a file or folder, got a link or a device"
-        if member.flag_bits & 1:
+        if is_encrypted(member):
             yield f"member {member.filename}: expected no encryption, got an encrypted member"
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cosim.conformance import TIME_LIMIT
 from cosim.conformance.rule import Rule
-from cosim.conformance.suite import MODULES, TIME_LIMIT, load_rules
+from cosim.conformance.suite import MODULES, load_rules
 
 PATH = "docs/validate.md"
 """Where the page lies in the repository."""

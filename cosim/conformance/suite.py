@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from cosim.conformance import TIME_LIMIT
 from cosim.conformance.process import Processes, Question
 from cosim.conformance.rule import RULES, Finding, NotApplicableError, Rule
 from cosim.conformance.slave import library_path
@@ -18,9 +19,6 @@ from cosim.errors import SetupError
 
 MODULES = ("archive", "description", "variables", "structure", "opinion", "binary", "life", "steps", "state", "hygiene")
 """Modules of rules, in the order in which they are applied."""
-
-TIME_LIMIT = 10.0
-"""How long a rule may run an FMU where nothing else is said, in s."""
 
 Verdict = Literal["passed", "failed", "warning", "not applicable"]
 

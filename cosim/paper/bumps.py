@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from cosim.bump import Case
 from cosim.figures import Curve, Panel
 from cosim.metrics import peak
-from cosim.paper.finding import Finding, Kind, Row
+from cosim.paper.finding import Finding, Kind, Row, text
 from cosim.paper.lab import SEAT, Lab, change
 from cosim.paper.published import BUMP_PEAKS
 from cosim.results import Result
@@ -48,7 +48,7 @@ def _rows(seats: Mapping[str, Case], mass: float, results: Mapping[str, Result])
     yield Row(
         "Controlled against passive",
         "%",
-        f"{change(paper['controlled'], paper['passive']):.1f}".replace("-", "−"),
+        text(change(paper["controlled"], paper["passive"]), 1),
         (change(peaks["controlled"], peaks["passive"]),),
         Kind.PREDICTED,
         "Less than in the paper, and more with the heavier load, as in the paper.",

@@ -30,6 +30,11 @@ class Kind(Enum):
     PREDICTED = "predicted"
 
 
+def text(value: float, digits: int, sign: str = "-") -> str:
+    """Write a number, with a true minus; ``sign`` as in a format specification."""
+    return f"{value:{sign}.{digits}f}".replace("-", "−")
+
+
 @dataclass(frozen=True)
 class Row:
     """A number, or the ends of a range, beside the paper's.
@@ -62,7 +67,7 @@ class Row:
     def ours(self) -> str:
         """The values as text; changes in % with their sign."""
         sign = "+" if self.unit == "%" else "-"
-        return " to ".join(f"{value:{sign}.{self.digits}f}" for value in self.values).replace("-", "−")
+        return " to ".join(text(value, self.digits, sign) for value in self.values)
 
 
 @dataclass(frozen=True)

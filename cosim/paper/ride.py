@@ -11,7 +11,7 @@ from cosim.figures import Curve, Panel
 from cosim.metrics import peak, psd, rms
 from cosim.metrics.samples import Samples
 from cosim.model import Value
-from cosim.paper.finding import Finding, Kind, Row
+from cosim.paper.finding import Finding, Kind, Row, text
 from cosim.paper.lab import HEAVY, LIGHT, RATE, SEAT, STEP, Lab, change, extent
 from cosim.paper.published import REDUCTIONS, RMS
 
@@ -196,9 +196,4 @@ _REMARKS = {
 
 def _reduction(mass: float, controlled: float, passive: float, kind: Kind, what: str = "") -> Row:
     quantity = f"{mass:g} kg, controlled against passive{what}"
-    paper = _signed(-REDUCTIONS[mass])
-    return Row(quantity, "%", paper, (change(controlled, passive),), kind, _REMARKS[mass, what], 1)
-
-
-def _signed(value: float) -> str:
-    return f"{value:.1f}".replace("-", "−")
+    return Row(quantity, "%", text(-REDUCTIONS[mass], 1), (change(controlled, passive),), kind, _REMARKS[mass, what], 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cosim.paper.finding import Finding, Kind, Row
+from cosim.paper.finding import Finding, Kind, Row, text
 from cosim.paper.lab import Lab
 
 _SAME = ""
@@ -49,6 +49,5 @@ def parameters(lab: Lab) -> Iterator[Finding]:
     rows = []
     for name, unit, printed, place, digits, remark in _PRINTED:
         ours = lab.system.start(place) if "." in place else design[place]
-        paper = f"{printed:.{digits}f}".replace("-", "−")
-        rows.append(Row(name, unit, paper, (ours,), Kind.GIVEN, remark, digits))
+        rows.append(Row(name, unit, text(printed, digits), (ours,), Kind.GIVEN, remark, digits))
     yield Finding("table1", "The start values of the FMUs, and the numbers of the design.", rows)
