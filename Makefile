@@ -23,7 +23,7 @@ test-all: $(VENV)/installed-test
 
 fuzz: $(VENV)/installed-test
 	$(BIN)/seat-cosim build
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/hostile/fuzz.py --minutes $(MINUTES)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.system.hostile.fuzz --minutes $(MINUTES)
 
 # A wheel that carries the native FMUs and the master's loop in C for all platforms: `seat-cosim fmus --export DIR` takes them out again.
 wheel: $(VENV)/installed
@@ -43,4 +43,4 @@ $(VENV)/installed-test: $(VENV)/installed
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built fmus/*.ssp cosim/built build dist *.egg-info
+	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built fmus/*.ssp cosim/engine/built build dist *.egg-info

@@ -1,4 +1,4 @@
-"""How the closed loop fares at other communication steps: ``python benchmarks/communication_steps.py [FMUS]``.
+"""How the closed loop fares at other communication steps: ``python -m benchmarks.communication_steps [FMUS]``.
 
 Prints the table of docs/native.md: the paper's bump at 55 kg against a run at 0.1 ms. The controller samples every 2 ms
 whatever the step; at longer steps it meets stale measurements, several samples in a row, and its force reaches the seat
@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from cosim import System
-from cosim.scenarios import SCENARIOS, control, observer, seat_suspension
 from seat_controller_fmu.parameters import OBSERVERS
+from seat_cosim.scenarios import SCENARIOS, control, observer, seat_suspension
 
 STEPS = (0.5e-3, 1e-3, 2e-3, 4e-3, 10e-3)
 """Communication steps, in s."""

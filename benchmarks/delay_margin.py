@@ -1,6 +1,6 @@
 """Delay margins: predicted by the linear sampled loop, found through the FMUs, and with friction and force limit.
 
-.venv/bin/python benchmarks/delay_margin.py [FOLDER OF FMUS]
+.venv/bin/python -m benchmarks.delay_margin [FOLDER OF FMUS]
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 from rich.table import Table
-from rig import LINEAR, Rig, bump, driver, settles
 
-from plant_models.seat_interface import Parameters as Seat
+from plant_models.seat.interface import Parameters as Seat
+from seat_controller_fmu.design.sampled_loop import delay_margin
 from seat_controller_fmu.interface import Parameters
 from seat_controller_fmu.parameters import OBSERVERS
-from seat_controller_fmu.sampled import delay_margin
+from tests.helpers.rig import LINEAR, Rig, bump, driver, settles
 
 MASSES = (45.0, 55.0, 70.0, 80.0, 100.0, 120.0)
 MILLISECONDS = 2.0

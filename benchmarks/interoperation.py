@@ -1,4 +1,4 @@
-"""One SSP file in several masters: ``python benchmarks/interoperation.py [FILE.ssp] [FIGURE.png]``.
+"""One SSP file in several masters: ``python -m benchmarks.interoperation [FILE.ssp] [FIGURE.png]``.
 
 Prints the numbers of docs/interoperation.md and draws its figure: the paper's bump, this master in its sequential order
 against masters that exchange all values at once.
@@ -7,43 +7,18 @@ against masters that exchange all values at once.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from peers import PACKAGES, PEERS, run
 
 from cosim import System
-from cosim.figures import Curve, Panel, draw
-from cosim.scenarios import observer
-from cosim.structure import Algorithm
 from seat_controller_fmu.parameters import OBSERVERS
-
-SIGNALS = {"seat.driver_acceleration": "m/s²", "controller.force": "N"}
-"""What is compared, and its unit."""
-
-
-Values = Mapping[str, np.ndarray]
-"""Signal to its values at t_1 ... t_N, after each step."""
-
-
-def here(system: System, algorithm: Algorithm) -> Values:
-    """Run a system in this master.
-
-    A row holds the discrete outputs that follow from its own instant, which other masters show one step later.
-    """
-    result = system.simulate(record=list(SIGNALS), algorithm=algorithm)
-    return {
-        "seat.driver_acceleration": result["seat.driver_acceleration"][1:],
-        "controller.force": result["controller.force"][:-1],
-    }
-
-
-def differences(one: Values, other: Values) -> list[float]:
-    """Return the largest difference of each of :data:`SIGNALS`, in its unit."""
-    return [float(np.abs(one[name] - other[name]).max()) for name in SIGNALS]
+from seat_cosim.plotting import Curve, Panel, draw
+from seat_cosim.scenarios import observer
+from tests.helpers.peers import PACKAGES, PEERS, SIGNALS, Values, differences, here, run
 
 
 def draw_exchanges(figure: Path, step_size: float, in_order: Values, at_once: Values) -> None:

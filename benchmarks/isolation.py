@@ -1,6 +1,6 @@
 """What isolation costs: a step of a native FMU in this process and in one of its own, and the start of that process.
 
-    python benchmarks/isolation.py [fmus/fmi2]
+    python -m benchmarks.isolation [fmus/fmi2]
 
 Medians; "round trip" is the same bytes between two Python processes without any FMU, the floor of what is possible.
 """

@@ -1,4 +1,4 @@
-"""What a step of the seat suspension costs in several masters: ``python benchmarks/masters.py``.
+"""What a step of the seat suspension costs in several masters: ``python -m benchmarks.masters``.
 
 Three native FMUs of FMI 2.0, 30 000 steps of 2 ms, time and six signals recorded; medians over rounds in which the
 masters take turns, and the quickest rounds, which other programs disturbed least. The C program does the same calls as
@@ -27,11 +27,11 @@ from rich.console import Console
 from rich.table import Table
 
 from cosim import Result
-from cosim.model import Model
-from cosim.scenarios import OVERVIEW, seat_suspension
-from cosim.session import Session
-from cosim.structure import Port
-from fmus.native_build import OPTIONS
+from cosim.engine.session import Session
+from cosim.engine.structure import Port
+from cosim.fmi.description import Model
+from fmus.export.native_fmu import OPTIONS
+from seat_cosim.scenarios import OVERVIEW, seat_suspension
 
 STEPS, H = 30_000, 0.002
 SIGNALS = [name for names in OVERVIEW.values() for name in names][:6]

@@ -1,6 +1,6 @@
 """The recommended gains against the published ones, through the FMUs with friction and force limit.
 
-.venv/bin/python benchmarks/recommended.py [FOLDER OF FMUS]
+.venv/bin/python -m benchmarks.recommended [FOLDER OF FMUS]
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 from rich.table import Table
-from rig import Floor, Motion, Rig, bump, driver, noise
 
-from seat_controller_fmu.gains import PRESETS, preset
+from seat_controller_fmu.design.gains import PRESETS, preset
+from tests.helpers.rig import Floor, Motion, Rig, bump, driver, noise
 
 MASSES = (45.0, 60.0, 75.0, 90.0, 105.0, 120.0)
 

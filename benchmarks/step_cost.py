@@ -1,4 +1,4 @@
-"""What a step of each component costs in C: ``python benchmarks/step_cost.py [gcc]``.
+"""What a step of each component costs in C: ``python -m benchmarks.step_cost [gcc]``.
 
 Prints medians in ns for a communication step of 2 ms, and in brackets the quickest rounds, which other programs
 disturbed least; compiled by zig with the options of the built FMUs, or by gcc with the same. The controller takes one
@@ -13,8 +13,8 @@ import tempfile
 from pathlib import Path
 
 from fmus.component import Component
-from fmus.components import COMPONENTS
-from fmus.native_build import OPTIONS, STANDARDS, source_files
+from fmus.export.native_fmu import OPTIONS, STANDARDS, source_files
+from seat_cosim.components import COMPONENTS
 
 WANTED = {"SeatController": "100", "SeatPlant": "400"}
 """What a step may cost, through FMI, in ns."""

@@ -1,7 +1,7 @@
 """Swap shaker, seat and controller for FMUs that are not ours, and draw what comes out (docs/swapping.md).
 
-python benchmarks/swapping.py                   figures into docs/figures
-python benchmarks/swapping.py --output DIR
+python -m benchmarks.swapping                   figures into docs/figures
+python -m benchmarks.swapping --output DIR
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from cosim import Result, System
-from cosim.figures import Curve, Panel, draw
-from cosim.model import Value
-from cosim.scenarios import SCENARIOS, control, seat_suspension
+from cosim.fmi.description import Value
+from seat_cosim.plotting import Curve, Panel, draw
+from seat_cosim.scenarios import SCENARIOS, control, seat_suspension
 
 ROOT = Path(__file__).parent.parent
 STYLES: dict[str, Mapping[str, Any]] = {

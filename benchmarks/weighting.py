@@ -1,6 +1,6 @@
 """Wk in time against Wk itself: errors at several sampling rates beside a bilinear filter's, and the figure.
 
-.venv/bin/python benchmarks/weighting.py [SVG FILE]
+.venv/bin/python -m benchmarks.weighting [SVG FILE]
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 
 
@@ -49,3 +50,9 @@ def writing_to(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise SetupError(f"{folder}: expected a folder to write to, got: {error.strerror}") from error
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """Return a hint at the names most like one that does not exist, or an empty string."""
+    close = get_close_matches(name, list(names), n=3, cutoff=0.5)
+    return f" (did you mean {' or '.join(close)}?)" if close else ""

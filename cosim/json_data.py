@@ -8,8 +8,7 @@ from dataclasses import MISSING, asdict, fields, is_dataclass
 from types import NoneType, UnionType
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
-from cosim.errors import SetupError
-from cosim.model import nearest
+from cosim.errors import SetupError, did_you_mean
 
 T = TypeVar("T")
 
@@ -75,7 +74,7 @@ def _parse_fields(kind: Any, data: dict[str, Any], where: str, problems: list[st
     needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
     before = len(problems)
     problems += [f"{where}: expected a key {name}, got none" for name in needed if name not in data]
-    problems += [f"{where}: unknown key {name}{nearest(name, hints)}" for name in data if name not in hints]
+    problems += [f"{where}: unknown key {name}{did_you_mean(name, hints)}" for name in data if name not in hints]
     values = {name: _parse(hints[name], data[name], f"{where}: {name}", problems) for name in hints if name in data}
     return kind(**values) if len(problems) == before else None
 

@@ -10,14 +10,14 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Literal
 
-from cosim.archives import is_file
+from cosim.engine.structure import Algorithm, Structure
 from cosim.errors import SetupError
-from cosim.formats import FORMATS, FileSink
-from cosim.isolated import TIME_LIMIT
+from cosim.fmi.archive import is_file
+from cosim.fmi.description import KINDS, Model, Value
+from cosim.fmi.isolated import TIME_LIMIT
 from cosim.json_data import dump, load
-from cosim.model import KINDS, Model, Value
-from cosim.results import MANIFEST
-from cosim.structure import Algorithm, Structure
+from cosim.results.formats import FORMATS, FileSink
+from cosim.results.result import MANIFEST
 from cosim.system import System
 from cosim.units import Linear
 

@@ -7,14 +7,14 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
+from cosim.engine.session import Session
+from cosim.engine.structure import Algorithm
 from cosim.errors import CosimError, RunError, writing_to
-from cosim.formats import FileSink, sinks
-from cosim.isolated import TIME_LIMIT
+from cosim.fmi.description import Value
+from cosim.fmi.isolated import TIME_LIMIT
 from cosim.manifest import Manifest
-from cosim.model import Value
-from cosim.results import MANIFEST, Result, clear
-from cosim.session import Session
-from cosim.structure import Algorithm
+from cosim.results.formats import FileSink, sinks
+from cosim.results.result import MANIFEST, Result, clear
 from cosim.system import System
 
 
@@ -49,7 +49,7 @@ def run_to_folder(
     folder
         Where to; made if need be, and left alone if the run is not possible at all.
     stop_time, step_size, parameters, record, record_every, progress, algorithm, real_time
-        As of :meth:`cosim.session.Session.run`.
+        As of :meth:`cosim.engine.session.Session.run`.
     formats
         Beside CSV: ``parquet``, ``mdf4``.
     command
@@ -59,7 +59,7 @@ def run_to_folder(
     keep
         Whether the result is wanted in memory as well; otherwise the one returned has no rows.
     isolate, time_limit
-        As of :class:`cosim.session.Session`; where one is given, its own count.
+        As of :class:`cosim.engine.session.Session`; where one is given, its own count.
 
     Returns
     -------

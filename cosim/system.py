@@ -6,15 +6,16 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Self, Unpack
 
-from cosim.editing import edit, parse_source
+from cosim.engine.editing import edit, parse_source
+from cosim.engine.schedule import rates
+from cosim.engine.session import Options, Session, check_choices, check_isolation
+from cosim.engine.structure import Algorithm, Structure
 from cosim.errors import SetupError, reading, writing_to
-from cosim.isolated import TIME_LIMIT
-from cosim.model import Value
-from cosim.plan import rates
-from cosim.results import LoopName, Result
-from cosim.session import Options, Session, check_choices, check_isolation
+from cosim.fmi.archive import write_archive
+from cosim.fmi.description import Value
+from cosim.fmi.isolated import TIME_LIMIT
+from cosim.results.result import LoopName, Result
 from cosim.ssp import load, package_contents
-from cosim.structure import Algorithm, Structure
 
 
 class System(Structure):
@@ -63,8 +64,6 @@ class System(Structure):
         SetupError
             If it cannot be written.
         """
-        from fmus.archive import write_archive
-
         contents = package_contents(self)
         with writing_to(Path(path).parent):
             return write_archive(Path(path), contents)
@@ -137,8 +136,8 @@ class System(Structure):
     def open(self, isolate: Iterable[str] = (), time_limit: float = TIME_LIMIT, divert_stdout: bool = True) -> Session:
         """Load all FMUs, for one run or many; use it in a ``with`` statement.
 
-        Parameters are those of :class:`cosim.session.Session`: ``isolate`` names components whose FMUs run in processes
-        of their own, each call of them limited to ``time_limit`` s; what FMUs print becomes warnings, unless
+        Parameters are those of :class:`cosim.engine.session.Session`: ``isolate`` names components whose FMUs run in
+        processes of their own, each call of them limited to ``time_limit`` s; what FMUs print becomes warnings, unless
         ``divert_stdout`` is false.
         """
         return Session(self, isolate, time_limit, divert_stdout)
@@ -156,7 +155,7 @@ class System(Structure):
         divert_stdout: bool = True,
         **options: Unpack[Options],
     ) -> Result:
-        """Load, run once, free; see :meth:`open` and :meth:`cosim.session.Session.run`."""
+        """Load, run once, free; see :meth:`open` and :meth:`cosim.engine.session.Session.run`."""
         record, isolate = None if record is None else list(record), set(isolate)
         choices = options.get("algorithm"), options.get("record_every", 1), options.get("loop")
         self.validate(stop_time, step_size, parameters, record, *choices, isolate, time_limit)

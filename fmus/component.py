@@ -21,17 +21,24 @@ LONGEST_STEP = 1e3
 FARTHEST_TICK = 1.0
 """How far a state's own clock may be from the time reached, in s, hosts' rounding errors at late times included."""
 
-SMALLEST_STATE = 1e-30
-"""States of smaller magnitude are zero, in their own unit: fading out, they would become denormal, which is slow."""
-
-
-def flushed(state: float) -> float:
-    """Return a state, or zero where its magnitude is below :data:`SMALLEST_STATE`."""
-    return 0.0 if abs(state) < SMALLEST_STATE else state
-
 
 class ParameterError(ValueError):
     """Parameters that are each within their range but contradict one another."""
+
+
+class DefaultExperiment(NamedTuple):
+    """What a description recommends to a host.
+
+    Attributes
+    ----------
+    stop_time
+        End of the experiment, in s; it starts at 0.
+    step_size
+        Communication step size, in s.
+    """
+
+    stop_time: float
+    step_size: float
 
 
 class StateField(NamedTuple):
@@ -39,62 +46,92 @@ class StateField(NamedTuple):
 
     Attributes
     ----------
-    name
-        As in the state.
+    path
+        Its name, or the names that lead to it through nested states, joined by dots.
     kind
         ``float``, ``int`` or ``bool``, of each number.
     length
         How many numbers, None where it is one and no tuple.
     used
-        Name of the field that tells how many of them are in use, the others being zero; None where all are.
+        Path of the field that tells how many of them are in use, the others being zero; None where all are.
     """
 
-    name: str
+    path: str
     kind: type
     length: int | None
     used: str | None = None
 
 
-@cache
-def state_fields(state: type) -> tuple[StateField, ...]:
-    """Read the fields of a state class.
+class _Part(NamedTuple):
+    """A part of a state: as :class:`StateField`, its kind a class where it is a state itself."""
 
-    A tuple of n numbers is declared ``Annotated[tuple[float, ...], n]``. The last field may be one of which only a part
-    is in use: ``Annotated[tuple[float, ...], n, "field"]``, where ``field`` says how many numbers.
-    """
-    fields = []
+    name: str
+    kind: type
+    length: int | None
+    used: str | None
+
+    @property
+    def is_state(self) -> bool:
+        return hasattr(self.kind, "_fields")
+
+
+@cache
+def _parts(state: type) -> tuple[_Part, ...]:
+    """Read the parts of a state class; cached, as its module may not be found any more later."""
+    parts = []
     for name, hint in get_type_hints(state, include_extras=True).items():
         if get_origin(hint) is Annotated:
-            numbers, *lengths = get_args(hint)
-            fields.append(StateField(name, get_args(numbers)[0], *lengths))
+            numbers, length, *used = get_args(hint)
+            parts.append(_Part(name, get_args(numbers)[0], length, used[0] if used else None))
         else:
-            fields.append(StateField(name, hint, None))
+            parts.append(_Part(name, hint, None, None))
+    return tuple(parts)
+
+
+@cache
+def state_fields(state: type, prefix: str = "") -> tuple[StateField, ...]:
+    """Read the fields of a state class, those of nested states in their place.
+
+    A tuple of n numbers is declared ``Annotated[tuple[float, ...], n]``. The last field of all may be one of which only
+    a part is in use: ``Annotated[tuple[float, ...], n, "field"]``, where its neighbour ``field`` says how many numbers.
+    """
+    fields: list[StateField] = []
+    for part in _parts(state):
+        if part.is_state:
+            fields += state_fields(part.kind, f"{prefix}{part.name}.")
+        else:
+            used = prefix + part.used if part.used else None
+            fields.append(StateField(prefix + part.name, part.kind, part.length, used))
     return tuple(fields)
 
 
 def numbers_of(state: Any) -> list[float]:
     """Write a state as a flat list of numbers."""
-    parts = (part if isinstance(part, tuple) else (part,) for part in state)
-    return [float(number) for part in parts for number in part]
+    if not isinstance(state, tuple):
+        return [float(state)]
+    return [number for part in state for number in numbers_of(part)]
 
 
 def state_of(state: type, numbers: Iterable[float]) -> Any:
     """Read a state of a class from what :func:`numbers_of` wrote."""
     rest = iter(numbers)
-    return state(
-        *(
-            kind(next(rest)) if length is None else tuple(kind(next(rest)) for _ in range(length))
-            for _, kind, length, _ in state_fields(state)
-        )
-    )
+
+    def read(part: _Part) -> Any:
+        if part.is_state:
+            return state_of(part.kind, rest)
+        if part.length is None:
+            return part.kind(next(rest))
+        return tuple(part.kind(next(rest)) for _ in range(part.length))
+
+    return state(*map(read, _parts(state)))
 
 
 @dataclass(frozen=True)
 class Component:
     """A model that can become an FMU, in any flavour.
 
-    The state is a ``NamedTuple`` of numbers and tuples of numbers, so it can be saved, compared and restored as it is;
-    everything that is computed from parameters alone stands apart, in the coefficients.
+    The state is a ``NamedTuple`` of numbers, tuples of numbers and further such states, so it can be saved, compared
+    and restored as it is; everything that is computed from parameters alone stands apart, in the coefficients.
 
     Attributes
     ----------
@@ -115,9 +152,9 @@ class Component:
     advance
         ``advance(state, inputs, coefficients, time, step_size) -> (state, outputs)``: from ``time`` to
         ``time + step_size``, both in s, inputs as set at ``time``; outputs hold at the end of the step.
-    fits
-        ``fits(state, parameters, time) -> bool``: whether a run can have that state, all numbers of it finite, when it
-        has reached ``time``, in s; what comes from outside is asked.
+    is_valid_state
+        ``is_valid_state(state, parameters, time) -> bool``: whether a run can have that state, all numbers of it
+        finite, when it has reached ``time``, in s; what comes from outside is asked.
     warnings
         ``warnings(parameters) -> texts`` for legal parameters that a user should think about.
     terminals
@@ -138,7 +175,7 @@ class Component:
     prepare: Callable[[Any], Any]
     initial: Callable[[Any, Any, float], tuple[Any, Any]]
     advance: Callable[[Any, Any, Any, float, float], tuple[Any, Any]]
-    fits: Callable[[Any, Any, float], bool] = lambda state, parameters, time: True
+    is_valid_state: Callable[[Any, Any, float], bool] = lambda state, parameters, time: True
     constants: type | None = None
     warnings: Callable[[Any], Sequence[str]] = lambda parameters: ()
     terminals: tuple[Terminal, ...] = ()

@@ -1,8 +1,8 @@
 """Calibrate what the paper does not publish on its 55 kg column, and predict the rest (docs/calibration.md).
 
-python studies/calibrate.py                   tables and figures, in some three minutes
-python studies/calibrate.py --write           and the parameter sets, into plant_models/parameter_sets
-python studies/calibrate.py --fmus DIR --figures DIR
+python -m studies.calibrate                   tables and figures, in some three minutes
+python -m studies.calibrate --write           and the parameter sets, into plant_models/parameter_sets
+python -m studies.calibrate --fmus DIR --figures DIR
 """
 
 from __future__ import annotations
@@ -11,7 +11,13 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-from calibration import (
+from rich.console import Console
+from rich.table import Table
+
+from plant_models import parameter_sets
+from seat_cosim.paper.published import BUMP_PEAKS, REDUCTIONS
+from seat_cosim.scenarios import control
+from studies.calibration import (
     CONTROLLED_RMS,
     CUSHIONED,
     LOAD,
@@ -31,14 +37,8 @@ from calibration import (
     passive_seat,
     ride,
 )
-from calibration_figures import draw_figures
-from rich.console import Console
-from rich.table import Table
-from rides import DURATION, FEW_SEEDS, FLOOR, SEEDS, Parameters, Rides
-
-from cosim.paper.published import BUMP_PEAKS, REDUCTIONS
-from cosim.scenarios import control
-from plant_models import parameter_sets
+from studies.calibration_figures import draw_figures
+from studies.rides import DURATION, FEW_SEEDS, FLOOR, SEEDS, Parameters, Rides
 
 ROOT = Path(__file__).parent.parent
 CONSOLE = Console(width=150)

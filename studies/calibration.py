@@ -15,15 +15,15 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from rides import FEW_SEEDS, SEEDS, Array, Parameters, Ride, Rides
 from scipy.optimize import brentq
 
-from cosim.model import Value
-from cosim.paper.published import BUMP_PEAKS, RMS
-from cosim.scenarios import control
+from cosim.fmi.description import Value
 from cosim.ssp import parameter_set, read_parameters
 from cosim.system import System
 from plant_models import parameter_sets
+from seat_cosim.paper.published import BUMP_PEAKS, RMS
+from seat_cosim.scenarios import control
+from studies.rides import FEW_SEEDS, SEEDS, Array, Parameters, Ride, Rides
 
 # ---- the paper -------------------------------------------------------------------------------------------------------
 

@@ -6,7 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from calibration import (
+
+from seat_cosim.plotting import Curve, Panel, draw
+from seat_cosim.scenarios import control
+from studies.calibration import (
     BAND,
     CONTROLLED_RMS,
     PASSIVE_RMS,
@@ -16,10 +19,7 @@ from calibration import (
     passive_seat,
     prototype_seat,
 )
-from rides import FEW_SEEDS, FLOOR, Parameters, Rides
-
-from cosim.figures import Curve, Panel, draw
-from cosim.scenarios import control
+from studies.rides import FEW_SEEDS, FLOOR, Parameters, Rides
 
 DAMPINGS = np.array([60.0, 90, 130, 180, 250, 350, 500, 700, 850, 1000, 1200])
 FRICTIONS = (0.0, 0.2, 0.4, 0.6, 0.8)

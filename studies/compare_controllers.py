@@ -1,7 +1,7 @@
 """Evaluate all controllers of this project side by side: tables and figure of docs/evaluation.md.
 
-python studies/compare_controllers.py                 some ten minutes on two cores; figure into docs/figures
-python studies/compare_controllers.py --output DIR
+python -m studies.compare_controllers                 some ten minutes on two cores; figure into docs/figures
+python -m studies.compare_controllers --output DIR
 """
 
 from __future__ import annotations
@@ -15,16 +15,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from tune_baselines import BASELINES, DELAY, ROOT, build
 
-from cosim.cli_options import parameter_sets
-from cosim.evaluation import Cell, Evaluation, Protocol, evaluate, measure
-from cosim.heat_map import HeatMap, draw_heat_maps
-from cosim.model import Value
-from cosim.scenarios import control, observer, passive_seat, ports, seat_suspension
-from cosim.subject import Subject
-from seat_controller_fmu.gains import load
+from cosim.fmi.description import Value
+from seat_controller_fmu.design.gains import load
 from seat_controller_fmu.parameters import OBSERVERS
+from seat_cosim.cli.options import parameter_sets
+from seat_cosim.evaluation.evaluation import Cell, Evaluation, Protocol, evaluate, measure
+from seat_cosim.evaluation.seat import passive_seat, ports
+from seat_cosim.evaluation.system import Subject
+from seat_cosim.heat_map import HeatMap, draw_heat_maps
+from seat_cosim.scenarios import control, observer, seat_suspension
+from studies.tune_baselines import BASELINES, DELAY, ROOT, build
 
 MASS, CLASS = 80.0, "EM3"
 DELAYS = (0.0, 0.005, 0.010, 0.015, 0.020, 0.030, 0.040)

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cosim import Result
+from cosim.fmi.description import Value
 from cosim.metrics import Spectrum, peak, psd, rms, sine_transmissibility
-from cosim.model import Value
-from cosim.paper.lab import DRIVER, FLOOR, SEAT
-from cosim.paper.ride import DURATION, SEEDS, SETTLE
-from cosim.scenarios import driver_mass, seat_suspension
+from seat_cosim.paper.rig_ride import DURATION, SEEDS, SETTLE
+from seat_cosim.paper.runner import DRIVER, FLOOR, SEAT
+from seat_cosim.scenarios import driver_mass, seat_suspension
 
 Array = np.ndarray[Any, Any]
 Parameters = Mapping[str, Value]

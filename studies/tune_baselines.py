@@ -1,7 +1,7 @@
 """Tune the controllers of examples/controllers, and compare them with the paper's.
 
-python studies/tune_baselines.py            tunes (ten minutes), prints what belongs into the scripts, compares
-python studies/tune_baselines.py --compare  compares the scripts as they are
+python -m studies.tune_baselines            tunes (ten minutes), prints what belongs into the scripts, compares
+python -m studies.tune_baselines --compare  compares the scripts as they are
 
 All runs go through the FMUs and the master: EM3 of ISO 7096, a driver of 80 kg. What is minimised is the worse of two
 weighted accelerations of the driver, one with an ideal actuator, one with an actuator 10 ms late: a controller has to
@@ -25,11 +25,11 @@ import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 from scipy.optimize import minimize
 
+from cosim.engine.session import Session
+from cosim.fmi.description import Value
 from cosim.metrics import actuator, deflection_range, ride
-from cosim.model import Value
-from cosim.scenarios import control, driver_mass, observer, seat_suspension
-from cosim.session import Session
 from seat_controller_fmu.parameters import OBSERVERS, SAMPLE_TIME
+from seat_cosim.scenarios import control, driver_mass, observer, seat_suspension
 
 ROOT = Path(__file__).parent.parent
 SCRIPTS = ROOT / "examples" / "controllers"

@@ -10,7 +10,7 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from cosim.conformance.reading import Description
+from cosim.conformance.model_description import Description
 from cosim.conformance.rule import Finding, NotApplicableError
 from cosim.errors import RunError
 

@@ -1,10 +1,10 @@
 """What a rule is: a function that looks at an FMU and yields what is wrong, with an id and the standard's clause.
 
 A rule of the stages ``archive`` and ``description`` looks at files alone and takes a
-:class:`cosim.conformance.subject.Subject`; a rule of ``behaviour`` runs the FMU, in a process of its own, and takes a
-:class:`cosim.conformance.bench.Bench`. What it yields is a message each: what, where, expected, got; a rule that merely
-needs calls to go well yields nothing, as a call that does not raises its message. A message that is ``Advice`` is a
-warning whatever the rule's severity.
+:class:`cosim.conformance.fmu_archive.Subject`; a rule of ``behaviour`` runs the FMU, in a process of its own, and takes
+a :class:`cosim.conformance.harness.Bench`. What it yields is a message each: what, where, expected, got; a rule that
+merely needs calls to go well yields nothing, as a call that does not raises its message. A message that is ``Advice``
+is a warning whatever the rule's severity.
 """
 
 from __future__ import annotations

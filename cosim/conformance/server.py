@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from cosim.conformance import suite
-from cosim.conformance.bench import Bench
+from cosim.conformance.harness import Bench
 from cosim.conformance.process import Answer, Question
+from cosim.conformance.raw_instance import Library2, Library3
 from cosim.conformance.rule import RULES, NotApplicableError
-from cosim.conformance.slave import Library2, Library3
 from cosim.errors import CosimError
 
 

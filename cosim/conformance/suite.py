@@ -11,13 +11,24 @@ from pathlib import Path
 from typing import Literal
 
 from cosim.conformance import TIME_LIMIT
+from cosim.conformance.fmu_archive import Subject
 from cosim.conformance.process import Processes, Question
+from cosim.conformance.raw_instance import library_path
 from cosim.conformance.rule import RULES, Finding, NotApplicableError, Rule
-from cosim.conformance.slave import library_path
-from cosim.conformance.subject import Subject
 from cosim.errors import SetupError
 
-MODULES = ("archive", "description", "variables", "structure", "opinion", "binary", "life", "steps", "state", "hygiene")
+MODULES = (
+    "archive",
+    "description",
+    "variables",
+    "structure",
+    "fmpy_check",
+    "binary",
+    "lifecycle",
+    "steps",
+    "state",
+    "side_effects",
+)
 """Modules of rules, in the order in which they are applied."""
 
 Verdict = Literal["passed", "failed", "warning", "not applicable"]
@@ -79,7 +90,7 @@ class Examination:
 def load_rules() -> dict[str, Rule]:
     """Import all rules, and return them in the order in which they are applied."""
     for module in MODULES:
-        importlib.import_module(f"cosim.conformance.{module}")
+        importlib.import_module(f"cosim.conformance.rules.{module}")
     order = {module: place for place, module in enumerate(MODULES)}
     ordered = sorted(RULES.values(), key=lambda rule: order[rule.id.partition(".")[0]])
     return {rule.id: rule for rule in ordered}
@@ -114,7 +125,7 @@ def validate(
     path
         The file.
     only
-        Rules to show, by id or group (``life.reset``, ``life``); all if empty. What they need is applied, too, but
+        Rules to show, by id or group (``lifecycle.reset``, ``life``); all if empty. What they need is applied, too, but
         not shown.
     skip
         Rules to leave out, likewise.

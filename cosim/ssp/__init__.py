@@ -1,4 +1,4 @@
-"""System structures of SSP 1.0, read into a :class:`~cosim.structure.Structure` and written from one.
+"""System structures of SSP 1.0, read into a :class:`~cosim.engine.structure.Structure` and written from one.
 
 There are libraries for this, and none that could be used: pyssp_standard 0.9.1 drops linear transformations,
 ``suppressUnitConversion``, the connectors' units, ``sourceBase`` and inline mappings on reading; fmpy's own reader

@@ -5,13 +5,13 @@ Of bindings at one element the later wins, and what is bound further out wins ov
 
 from __future__ import annotations
 
+from cosim.engine.structure import Port
 from cosim.errors import SetupError
-from cosim.model import Value
+from cosim.fmi.description import Value
 from cosim.ssp import ssd, ssv
 from cosim.ssp.connections import Connections
 from cosim.ssp.nodes import Node, Nodes, Path, component_name
 from cosim.ssp.quantities import Hop, Quantity, set_value
-from cosim.structure import Port
 from cosim.units import Unit
 
 _SETTABLE = ("input", "parameter")

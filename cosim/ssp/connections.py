@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from cosim.errors import SetupError
-from cosim.model import nearest
+from cosim.engine.structure import Port
+from cosim.errors import SetupError, did_you_mean
 from cosim.ssp import ssd
 from cosim.ssp.nodes import GIVES_INSIDE, Node, Nodes, Path, component_name
 from cosim.ssp.quantities import Hop
-from cosim.structure import Port
 from cosim.units import IDENTITY, Linear
 
 
@@ -104,7 +103,9 @@ class Connections:
             raise SetupError(f"{where}: expected components and systems, got the signal dictionary {element}")
         if inner not in self._nodes.connectors and inner not in self._nodes.failed:
             names = [known[-1] for known in self._nodes.connectors if known[:-1] == path and known]
-            raise SetupError(f"{where}: expected an element of the system, got {element}{nearest(inner[-1], names)}")
+            raise SetupError(
+                f"{where}: expected an element of the system, got {element}{did_you_mean(inner[-1], names)}"
+            )
         return Node(inner, connector)
 
     def _way(self, sink: Node) -> list[Node]:

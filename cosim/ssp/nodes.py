@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from fmpy.model_description import ModelVariable
 
-from cosim.errors import SetupError
-from cosim.model import KINDS, Model, nearest
+from cosim.engine.structure import Structure
+from cosim.errors import SetupError, did_you_mean
+from cosim.fmi.description import KINDS, Model
 from cosim.ssp import ssd
 from cosim.ssp.package import Package
 from cosim.ssp.quantities import defined
-from cosim.structure import Structure
 from cosim.units import Unit
 
 Path = tuple[str, ...]
@@ -178,7 +178,7 @@ class Nodes:
         connectors = self.connectors[node.path]
         if node.connector not in connectors:
             raise SetupError(
-                f"{node}: expected a connector of the system, got none{nearest(node.connector, connectors)}"
+                f"{node}: expected a connector of the system, got none{did_you_mean(node.connector, connectors)}"
             )
         return connectors[node.connector].kind
 

@@ -8,9 +8,9 @@ import zlib
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
-from cosim.archives import is_file, leaves, open_archive
 from cosim.errors import SetupError
-from cosim.model import Model
+from cosim.fmi.archive import is_file, leaves, open_archive
+from cosim.fmi.description import Model
 
 DESCRIPTION = "SystemStructure.ssd"
 """What the description is called in an archive."""

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cosim.errors import SetupError
-from cosim.model import KINDS, Model, Value
+from cosim.fmi.description import KINDS, Model, Value
 from cosim.ssp.ssv import Given, Transformation
 from cosim.units import IDENTITY, Linear, Unit, conversion
 

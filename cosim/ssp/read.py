@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from cosim.engine.structure import ALGORITHMS, Port, Structure
 from cosim.errors import SetupError
-from cosim.model import Value
+from cosim.fmi.description import Value
 from cosim.ssp import ssd, ssv
 from cosim.ssp.bindings import Bindings
 from cosim.ssp.connections import Connections
 from cosim.ssp.nodes import Nodes
 from cosim.ssp.package import Package, read_file
 from cosim.ssp.quantities import Hop, Quantity, set_value
-from cosim.structure import ALGORITHMS, Port, Structure
 
 
 def load(path: str | Path, structure: Structure) -> None:

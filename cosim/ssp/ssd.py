@@ -69,7 +69,7 @@ class Annotation:
     )
 
     OSP = "com.opensimulationplatform"
-    OWN = "io.github.seat-cosim.exchange"
+    OWN = "io.github.seat-cosim.engine.step_order"
 
 
 _ANNOTATIONS = {"ssc:Annotation": Annotation}

@@ -9,12 +9,12 @@ from urllib.parse import quote
 
 from fmpy.model_description import ModelVariable
 
-from cosim.model import KINDS, Model, Value
+from cosim.engine.structure import Feed, Port, Structure
+from cosim.fmi.description import KINDS, Model, Value
 from cosim.ssp import ssd, ssv
 from cosim.ssp.nodes import connector_kind
 from cosim.ssp.package import DESCRIPTION
 from cosim.ssp.xml import BOOLEAN, INTEGER, REAL, write_document
-from cosim.structure import Feed, Port, Structure
 from cosim.units import IDENTITY, Unit, conversion
 
 

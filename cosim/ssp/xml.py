@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 from lxml import etree
 
 from cosim.errors import SetupError
-from cosim.xml_data import parse
+from cosim.fmi.xml import parse
 
 NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",

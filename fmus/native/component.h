@@ -9,7 +9,7 @@
  *   void model_initial(ModelState *, const ModelInputs *, const ModelCoefficients *, double time, ModelOutputs *);
  *   void model_advance(ModelState *, const ModelInputs *, const ModelCoefficients *, double time, double step_size,
  *                      ModelOutputs *);
- *   int model_fits(const ModelState *, const ModelParameters *, double time);        whether a run can have that state at a
+ *   int model_is_valid_state(const ModelState *, const ModelParameters *, double time);        whether a run can have that state at a
  *                                                                                    time; its numbers are finite
  *   ModelInputs model_inputs(const double values[]);
  *   ModelParameters model_parameters(const double values[], const char *const texts[]);

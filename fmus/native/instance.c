@@ -586,7 +586,7 @@ static bool is_possible(const Snapshot *snapshot)
         const ModelParameters parameters = model_parameters(values, texts);
         ModelState state = {0};
         model_unpack(&state, packed);
-        fine = model_fits(&state, &parameters, values[0]);
+        fine = model_is_valid_state(&state, &parameters, values[0]);
     }
     return fine;
 }

@@ -28,7 +28,7 @@ static const double same_sample = 1e-3;
 static const double farthest = 1.0;
 
 /* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
-static real flushed(real state)
+static real flush_subnormal(real state)
 {
     const real smallest = REAL(1e-30);
     return state < smallest && state > -smallest ? REAL(0.0) : state;
@@ -134,14 +134,14 @@ static void sample(seat_controller_state *state, const seat_controller_inputs *i
         u_sat = u < -c->limit ? -c->limit : u > c->limit ? c->limit : u;                        /* (6) */
     }
     state->started = true;
-    state->deflection = flushed(delta);
-    state->rate = flushed(v);
-    state->demand = flushed(u);
-    state->force = flushed(u_sat);
-    state->estimate = flushed(F_hat);
+    state->deflection = flush_subnormal(delta);
+    state->rate = flush_subnormal(v);
+    state->demand = flush_subnormal(u);
+    state->force = flush_subnormal(u_sat);
+    state->estimate = flush_subnormal(F_hat);
 }
 
-int seat_controller_fits(const seat_controller_state *state, const seat_controller_parameters *parameters, double time)
+int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters, double time)
 {
     return fabs(state->next_sample * (double)parameters->sample_time - time) <= farthest;
 }

@@ -99,7 +99,7 @@ void seat_controller_step(seat_controller_state *state, const seat_controller_in
 /* For simulation, where a communication step need not be a sample. Times are in s. */
 
 /* Whether the state can be one of a run that has reached a time: its next sample is near. */
-int seat_controller_fits(const seat_controller_state *state, const seat_controller_parameters *parameters, double time);
+int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters, double time);
 
 /* Start at a time; the first sample is the first multiple of h from there on. All outputs are 0. */
 void seat_controller_initial(seat_controller_state *state, const seat_controller_inputs *inputs,

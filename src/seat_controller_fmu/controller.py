@@ -19,7 +19,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from fmus.component import FARTHEST_TICK, Component, ParameterError, flushed
+from fmus.component import FARTHEST_TICK, Component, ParameterError
+from fmus.subnormal import flush_subnormal
 from seat_controller_fmu.fuzzy import MassRange, observer_gain
 from seat_controller_fmu.interface import TERMINALS, Constants, Inputs, Outputs, Parameters
 from seat_controller_fmu.parameters import SAMPLE_TIME
@@ -178,7 +179,7 @@ def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[Stat
         u_sat = min(max(u, -c.limit), c.limit)  # (6)
     else:
         F_hat = u = u_sat = 0.0
-    state = State(state.next_sample + 1, True, *map(flushed, (delta, v, u, u_sat, F_hat)))
+    state = State(state.next_sample + 1, True, *map(flush_subnormal, (delta, v, u, u_sat, F_hat)))
     return state, held_outputs(state, c)
 
 
@@ -252,7 +253,7 @@ def warnings(parameters: Parameters) -> list[str]:
     ]
 
 
-def fits(state: State, parameters: Parameters, time: float) -> bool:
+def is_valid_state(state: State, parameters: Parameters, time: float) -> bool:
     """Whether the state can be one of a run that has reached ``time``, in s: its next sample is near."""
     return abs(state.next_sample * SAMPLE_TIME.value - time) <= FARTHEST_TICK
 
@@ -269,7 +270,7 @@ SEAT_CONTROLLER = Component(
     prepare=prepare,
     initial=initial,
     advance=advance,
-    fits=fits,
+    is_valid_state=is_valid_state,
     warnings=warnings,
     terminals=TERMINALS,
     sample_time=SAMPLE_TIME.value,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fmus.variables import POSITIVE, Terminal, constant, input_, output, parameter
-from plant_models.parameters import DRIVER_MASS, SEAT_MASS, SUSPENSION_STIFFNESS
 from seat_controller_fmu import parameters as p
 
 
@@ -34,7 +33,7 @@ class Parameters:
     """Who sits on the seat, the gains, and what the controller knows about the seat."""
 
     driver_mass: float = parameter(
-        DRIVER_MASS, "Driver mass the controller schedules on", tunable=True, minimum=20.0, maximum=250.0
+        p.DRIVER_MASS, "Driver mass the controller schedules on", tunable=True, minimum=20.0, maximum=250.0
     )
     anti_windup: bool = parameter(
         False, "Feed the observer the saturated force instead of the demand (not in the paper)", tunable=True
@@ -47,9 +46,9 @@ class Parameters:
     rate_filter_cutoff: float = parameter(
         p.RATE_FILTER_CUTOFF, "Cut-off frequency of the deflection rate filter", minimum=0.1, maximum=250.0
     )
-    seat_mass: float = parameter(SEAT_MASS, "Seat frame mass the controller reckons with", minimum=POSITIVE)
+    seat_mass: float = parameter(p.SEAT_MASS, "Seat mass the controller assumes", minimum=POSITIVE)
     suspension_stiffness: float = parameter(
-        SUSPENSION_STIFFNESS, "Suspension stiffness the controller reckons with", minimum=POSITIVE
+        p.SUSPENSION_STIFFNESS, "Suspension stiffness the controller assumes", minimum=POSITIVE
     )
     driver_mass_min: float = parameter(
         p.DRIVER_MASS_MIN, "Lightest driver the gains are made for", minimum=20.0, maximum=250.0

@@ -1,6 +1,7 @@
 """The controller's numbers, each with unit, symbol and source (equation numbers are the paper's [1]).
 
-What the controller knows about the seat (m_s, k_f, m_b) are the seat's own numbers, :mod:`plant_models.parameters`.
+What the controller assumes of the seat (m_s, k_f, m_b) is its nominal model, declared here: this package knows no
+plant. A test of the whole keeps these numbers equal to the plant's.
 """
 
 from __future__ import annotations
@@ -8,6 +9,10 @@ from __future__ import annotations
 from fmus.variables import Quantity
 
 _TABLE_1 = "Table 1"
+
+DRIVER_MASS = Quantity(55.0, "kg", "m_b", _TABLE_1)
+SEAT_MASS = Quantity(28.0, "kg", "m_s", _TABLE_1)
+SUSPENSION_STIFFNESS = Quantity(4_600.0, "N/m", "k_f", _TABLE_1)
 
 SAMPLE_TIME = Quantity(0.002, "s", "h", "section 3.3: 500 Hz")
 FORCE_LIMIT = Quantity(250.0, "N", "u_lim", _TABLE_1)

@@ -11,7 +11,7 @@ from fmpy import simulate_fmu
 from fmpy.util import read_csv
 
 from cosim import Result, System
-from cosim.scenarios import seat_suspension
+from seat_cosim.scenarios import seat_suspension
 
 STEP_SIZE = 0.002
 STOP_TIME = 1.0

@@ -1,0 +1,1 @@
+"""What was measured; run a module with ``python -m benchmarks.NAME`` from the repository."""

@@ -1,0 +1,1 @@
+"""The master: structure of a system, schedule, steppers in Python and C, recorder, session."""

@@ -1,0 +1,1 @@
+"""What a run leaves: a table over time, in memory and in files."""

@@ -1,0 +1,62 @@
+"""Parquet, for large studies: columns of floats, each with its unit in the column's metadata."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cosim.errors import SetupError
+from cosim.results.file_sink import Blocks, FileSink, Rows, Table, imported
+
+_UNIT = b"unit"
+"""Key of a column's metadata."""
+
+
+def _pyarrow() -> tuple[Any, Any]:
+    return imported("pyarrow", "parquet"), imported("pyarrow.parquet", "parquet")
+
+
+class ParquetSink(FileSink):
+    """Writes Parquet, a row group every some thousand rows; readable once the run has ended, complete or not."""
+
+    suffix = ".parquet"
+    package = "pyarrow"
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self._pyarrow, self._parquet = _pyarrow()
+
+    def _begin(self, names: list[str], units: list[str | None]) -> None:
+        pa = self._pyarrow
+        columns = [
+            pa.field(name, pa.float64(), metadata={_UNIT: unit.encode()} if unit else None)
+            for name, unit in zip(names, units, strict=True)
+        ]
+        self._schema = pa.schema(columns)
+        self._writer = self._parquet.ParquetWriter(str(self._partial), self._schema)
+        self._blocks = Blocks(self._put)
+
+    def _write(self, rows: Rows) -> None:
+        self._blocks.add(rows)
+
+    def _put(self, block: Rows) -> None:
+        columns = [np.ascontiguousarray(column) for column in block.T]
+        self._writer.write_table(self._pyarrow.table(columns, schema=self._schema))
+
+    def _end(self) -> None:
+        self._blocks.flush()
+        self._writer.close()
+
+    @classmethod
+    def read(cls, path: Path) -> Table:
+        """Read a table with its units."""
+        pa, parquet = _pyarrow()
+        try:
+            table = parquet.read_table(str(path))
+            rows = np.column_stack([np.asarray(column, dtype=float) for column in table.columns])
+        except (pa.ArrowException, ValueError, OSError) as error:
+            raise SetupError(f"{path}: expected a Parquet table of numbers, got: {error}") from None
+        found = [(column.metadata or {}).get(_UNIT) for column in table.schema]
+        return Table(table.column_names, [unit.decode() if unit else None for unit in found], rows)

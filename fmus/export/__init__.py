@@ -1,0 +1,1 @@
+"""How a component becomes an FMU file: description, C header, documentation, binaries, archive."""

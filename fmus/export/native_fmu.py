@@ -1,0 +1,320 @@
+"""Build components as native FMUs: C kernel, glue of the standard and description, compiled by zig for any platform."""
+
+from __future__ import annotations
+
+import platform as machine
+import re
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, distribution, version
+from pathlib import Path
+
+import fmpy
+
+from cosim.fmi.archive import write_archive
+from fmus.component import Component, DefaultExperiment
+from fmus.export import cross_check, documentation
+from fmus.export.c_header import defaults_header, model_header
+from fmus.export.fmu_file import BuildError, Built, guid_of
+from fmus.export.model_description import (
+    build_description_xml,
+    content_guid,
+    model_description,
+    terminals_xml,
+    to_xml,
+)
+from fmus.export.sources import kernel_files
+
+_GLUE = Path(__file__).parents[1] / "native"
+_FMI_HEADERS = Path(fmpy.__file__).with_name("c-code")
+
+OPTIONS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-slp-vectorize")
+"""Compiler options that matter for results or speed: no fused operations, so that all platforms compute alike."""
+
+_LINK = ("-fvisibility=hidden", "-shared", "-s", "-g0", "-lm")
+
+
+@dataclass(frozen=True)
+class Platform:
+    """Where a binary runs.
+
+    Attributes
+    ----------
+    name
+        As FMI 3 names its folder.
+    fmi2_folder
+        As FMI 2 does; where it has no name for it, that of FMI 3.
+    target
+        As zig names it, with the oldest system the binary runs on.
+    extension
+        Of a shared library.
+    options
+        Further compiler options.
+    """
+
+    name: str
+    fmi2_folder: str
+    target: str
+    extension: str
+    options: tuple[str, ...] = ("-fPIC",)
+
+    def folder(self, fmi_version: str) -> str:
+        """Name the folder of binaries in an FMU."""
+        return self.fmi2_folder if fmi_version == "2.0" else self.name
+
+
+PLATFORMS = {
+    platform.name: platform
+    for platform in (
+        Platform("x86_64-linux", "linux64", "x86_64-linux-gnu.2.17", ".so"),
+        Platform("aarch64-linux", "aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
+        Platform("x86_64-windows", "win64", "x86_64-windows-gnu", ".dll", ()),
+        Platform("x86_64-darwin", "darwin64", "x86_64-macos.10.13", ".dylib"),
+        Platform("aarch64-darwin", "aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
+    )
+}
+"""All platforms that are built for, by name."""
+
+
+@dataclass(frozen=True)
+class Standard:
+    """A version of FMI.
+
+    Attributes
+    ----------
+    version
+        As descriptions say it.
+    glue
+        C file of the standard's functions.
+    headers
+        The standard's own header files.
+    license_file
+        Where a licence lies in an FMU.
+    """
+
+    version: str
+    glue: str
+    headers: tuple[str, ...]
+    license_file: str
+
+
+STANDARDS = {
+    "fmi2": Standard(
+        "2.0",
+        "fmi2.c",
+        ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+        "documentation/license.txt",
+    ),
+    "fmi3": Standard(
+        "3.0",
+        "fmi3.c",
+        ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+        "documentation/licenses/license.txt",
+    ),
+}
+"""Native flavours and their standards."""
+
+
+def host_platform() -> str:
+    """Name the platform this runs on."""
+    architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine.machine().lower(), machine.machine())
+    return f"{architecture}-{machine.system().lower()}"
+
+
+def source_files(component: Component, standard: Standard, token: str) -> dict[str, bytes]:
+    """Collect all that a C compiler needs: the ``.c`` files are to be compiled, the others included.
+
+    Parameters
+    ----------
+    component
+        Whose FMU.
+    standard
+        Which glue.
+    token
+        GUID or instantiation token.
+
+    Returns
+    -------
+    dict
+        Name to content.
+    """
+    glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "paths.c", "paths.h", "component.h")]
+    headers = [_FMI_HEADERS / name for name in standard.headers]
+    files = {path.name: path.read_bytes() for path in (*kernel_files(component.module), *glue, *headers)}
+    generated = {"model.h": model_header(component, token), "defaults.h": defaults_header(component)}
+    return {**files, **{name: text.encode() for name, text in generated.items()}}
+
+
+def _license() -> bytes:
+    """Read the licence, which lies in the repository or with the installed package."""
+    here = Path(__file__).parents[2] / "LICENSE"
+    text = here.read_text("utf-8") if here.exists() else distribution("seat-cosim").read_text("licenses/LICENSE")
+    if not text:
+        raise BuildError("native FMUs: expected the project's LICENSE, got no such file")
+    return text.encode()
+
+
+def fmu_files(component: Component, experiment: DefaultExperiment, standard: Standard, token: str) -> dict[str, bytes]:
+    """Write all files of an FMU but its binaries, by name in the archive."""
+    sources = source_files(component, standard, token)
+    description = model_description(
+        component,
+        experiment,
+        token,
+        needs_execution_tool=False,
+        fmi_version=standard.version,
+        source_files=sorted(name for name in sources if name.endswith(".c")),
+    )
+    files = {f"sources/{name}": content for name, content in sources.items()}
+    files["modelDescription.xml"] = to_xml(description)
+    files["documentation/index.html"] = documentation.page(component, experiment).encode()
+    files[standard.license_file] = _license()
+    files |= {f"resources/{name}": content for name, content in component.resources().items()}
+    if standard.version == "3.0":
+        files["sources/buildDescription.xml"] = build_description_xml(description, " ".join(OPTIONS[1:3]))
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_xml(component, standard.version)
+    return files
+
+
+def _compiler_version() -> str:
+    try:
+        return version("ziglang")
+    except PackageNotFoundError:
+        raise BuildError("native FMUs: expected the package ziglang, got none; run: pip install ziglang") from None
+
+
+def compile_binary(name: str, sources: dict[str, bytes], platform: Platform) -> bytes:
+    """Compile a shared library.
+
+    Parameters
+    ----------
+    name
+        Of the library, without extension.
+    sources
+        From :func:`source_files`.
+    platform
+        For which.
+
+    Raises
+    ------
+    BuildError
+        If the compiler fails; with what it said.
+    """
+    with tempfile.TemporaryDirectory(prefix="seat-cosim-") as temporary:
+        folder = Path(temporary)
+        for file, content in sources.items():
+            (folder / file).write_bytes(content)
+        library = name + platform.extension
+        command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *OPTIONS, *_LINK]
+        command += [*platform.options, f"-ffile-prefix-map={folder}=.", "-I", "."]
+        command += [f"-Wl,-install_name,@rpath/{library}"] if platform.extension == ".dylib" else []
+        command += [*sorted(file for file in sources if file.endswith(".c")), "-o", library]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        if run.returncode or not (folder / library).exists():
+            raise BuildError(
+                f"{name} for {platform.name}: zig ended with {run.returncode}: {run.stderr.strip()[-500:]}"
+            )
+        return (folder / library).read_bytes()
+
+
+def platforms_of(path: Path) -> set[str]:
+    """Name the folders of binaries in an FMU."""
+    with zipfile.ZipFile(path) as archive:
+        return set(re.findall(r"^binaries/([^/]+)/", "\n".join(archive.namelist()), re.MULTILINE))
+
+
+def build_native_fmu(
+    flavour: str, component: Component, experiment: DefaultExperiment, folder: Path, platforms: Sequence[str] = ()
+) -> Built:
+    """Build a component as a native FMU, unless the same one lies there already, for these platforms or more.
+
+    Parameters
+    ----------
+    flavour
+        ``"fmi2"`` or ``"fmi3"``.
+    component
+        What to build.
+    experiment
+        What its description recommends.
+    folder
+        Where ``<name>.fmu`` and its cross-check files go; made where it does not exist.
+    platforms
+        Names from :data:`PLATFORMS`; the host's where none is given.
+
+    Raises
+    ------
+    BuildError
+        If the compiler is missing or fails, or a platform is not known.
+    """
+    standard = STANDARDS[flavour]
+    chosen = [_platform(name) for name in platforms or (host_platform(),)]
+    parts = fmu_files(component, experiment, standard, "")
+    options = " ".join((*OPTIONS, *_LINK)).encode()
+    contents = (part for name, content in sorted(parts.items()) for part in (name.encode(), content))
+    token = content_guid(_compiler_version().encode(), options, *contents)
+    target = folder / f"{component.name}.fmu"
+    wanted = {platform.folder(standard.version) for platform in chosen}
+    fresh = guid_of(target) != token or not wanted <= platforms_of(target)
+    if fresh:
+        files = fmu_files(component, experiment, standard, token)
+        sources = source_files(component, standard, token)
+        with ThreadPoolExecutor(2) as pool:
+            binaries = list(pool.map(lambda platform: compile_binary(component.name, sources, platform), chosen))
+        for platform, binary in zip(chosen, binaries, strict=True):
+            place = f"binaries/{platform.folder(standard.version)}/{component.name}{platform.extension}"
+            files[place] = binary
+        write_archive(target, files)
+        cross_check.write(component, experiment.step_size, folder)
+    return Built(target, fresh)
+
+
+def build_library(
+    name: str, sources: dict[str, bytes], mark: bytes, folder: Path, platforms: Sequence[str] = ()
+) -> Iterator[Built]:
+    """Build a shared library that is no FMU, unless one of the same mark lies there already.
+
+    Parameters
+    ----------
+    name
+        Of the library, without extension.
+    sources
+        As :func:`compile_binary` takes them.
+    mark
+        What a library of these sources contains, and none of others.
+    folder
+        Where it goes: to the subfolder of its platform's name.
+    platforms
+        Names from :data:`PLATFORMS`; the host's where none is given.
+
+    Yields
+    ------
+    Built
+        As soon as it is there.
+
+    Raises
+    ------
+    BuildError
+        If the compiler is missing or fails, or a platform is not known.
+    """
+    _compiler_version()
+    for platform in [_platform(name) for name in platforms or (host_platform(),)]:
+        target = folder / platform.name / f"{name}{platform.extension}"
+        fresh = not target.is_file() or mark not in target.read_bytes()
+        if fresh:
+            binary = compile_binary(name, sources, platform)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            unfinished = target.with_suffix(".tmp")
+            unfinished.write_bytes(binary)
+            unfinished.replace(target)
+        yield Built(target, fresh)
+
+
+def _platform(name: str) -> Platform:
+    if name not in PLATFORMS:
+        raise BuildError(f"native FMUs: expected a platform among {', '.join(PLATFORMS)}, got {name}")
+    return PLATFORMS[name]

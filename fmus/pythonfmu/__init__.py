@@ -1,0 +1,1 @@
+"""The code of a Python FMU. Apart from ``fmus/python``, where built Python FMUs lie."""

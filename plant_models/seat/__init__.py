@@ -1,0 +1,1 @@
+"""The seat: two masses, friction, actuator, sensors, end stops."""

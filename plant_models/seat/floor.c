@@ -1,0 +1,69 @@
+/* The floor derived from one of its signals; explained in floor.py. */
+#include "floor.h"
+
+/* A sample that comes sooner after the last one, in s, is left out: differences would show little but rounding. */
+static const double shortest_interval = 1e-5;
+
+/* Start from the motion at initialisation, with the sample in place of its own part of it. */
+static void first_sample(floor_motion *node, const seat_plant_inputs *inputs, int signals)
+{
+    if (signals == SEAT_PLANT_DISPLACEMENT) {
+        node->displacement = inputs->floor_displacement;
+    } else if (signals == SEAT_PLANT_VELOCITY) {
+        node->velocity = inputs->floor_velocity;
+    } else {
+        node->acceleration = inputs->floor_acceleration;
+    }
+}
+
+/* Derive the motion at a new sample from that at the last one. */
+static void next_sample(floor_motion *node, double age, double interval, const seat_plant_inputs *inputs, int signals)
+{
+    const double z = node->displacement, v = node->velocity, a = node->acceleration;
+    if (signals == SEAT_PLANT_DISPLACEMENT) {
+        const double slope = (inputs->floor_displacement - z) / age;
+        const double slope_before = v - 0.5 * a * interval;
+        node->displacement = inputs->floor_displacement;
+        node->acceleration = interval > 0.0 ? 2.0 * (slope - slope_before) / (age + interval) : 0.0;
+        node->velocity = slope + 0.5 * age * node->acceleration;
+    } else if (signals == SEAT_PLANT_VELOCITY) {
+        node->velocity = inputs->floor_velocity;
+        node->displacement = z + 0.5 * age * (v + node->velocity);
+        node->acceleration = (node->velocity - v) / age;
+    } else {
+        node->acceleration = inputs->floor_acceleration;
+        node->velocity = v + 0.5 * age * (a + node->acceleration);
+        node->displacement = z + age * (v + age * (2.0 * a + node->acceleration) / 6.0);
+    }
+}
+
+floor_motion floor_derived(floor_history *history, const seat_plant_inputs *inputs, int signals, double step_size)
+{
+    const double age = history->age;
+    floor_motion node = {history->displacement, history->velocity, history->acceleration};
+    floor_motion floor;
+    if (age > 0.0 && age < shortest_interval) {
+        floor.displacement = floor_displacement_at(&node, age);
+        floor.velocity = floor_velocity_at(&node, age);
+        floor.acceleration = node.acceleration;
+        history->age = age + step_size;
+    } else {
+        if (age > 0.0) {
+            next_sample(&node, age, history->interval, inputs, signals);
+            history->interval = age;
+        } else {
+            first_sample(&node, inputs, signals);
+            history->reached = node.displacement;
+        }
+        floor = node;
+        history->age = step_size;
+    }
+    /* never faster than the error arose: a short step after a long one would be a jump */
+    floor.velocity += (floor.displacement - history->reached) / (step_size > age ? step_size : age);
+    floor.displacement = history->reached;
+    history->displacement = node.displacement;
+    history->velocity = node.velocity;
+    history->acceleration = node.acceleration;
+    history->reached = floor_displacement_at(&floor, step_size);
+    return floor;
+}

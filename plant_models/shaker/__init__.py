@@ -1,0 +1,1 @@
+"""The shaker: the cabin floor's motion."""

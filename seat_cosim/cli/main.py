@@ -1,0 +1,64 @@
+"""The command line: its commands, and errors turned into exit codes."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+
+import click
+
+from cosim.errors import CosimError, SetupError
+from seat_cosim.cli.build import build, fmus
+from seat_cosim.cli.design import design
+from seat_cosim.cli.evaluate import evaluate
+from seat_cosim.cli.reproduce import reproduce
+from seat_cosim.cli.rerun import rerun
+from seat_cosim.cli.run import run
+from seat_cosim.cli.simulate import simulate
+from seat_cosim.cli.validate import validate_command
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(package_name="seat-cosim")
+@click.option("--debug", is_flag=True, help="Show the traceback of an error; goes anywhere on the line.")
+def app(debug: bool) -> None:
+    """Active seat suspension as FMI co-simulation components.
+
+    \b
+    Examples:
+      seat-cosim build
+      seat-cosim run bump --driver-mass 70 --observer 1
+      seat-cosim reproduce
+    """
+
+
+for command in (build, design, evaluate, fmus, reproduce, rerun, run, simulate, validate_command):
+    app.add_command(command)
+
+
+def main() -> None:
+    """Run the command line; exits with 0, 2 (seen before an FMU was instantiated) or 1 (failed later)."""
+    arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
+    debug = len(arguments) < len(sys.argv) - 1
+    try:
+        app.main(arguments, standalone_mode=False)
+    except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt) as error:
+        code, message = _judge(error)
+        if debug:
+            traceback.print_exc()
+        click.echo(message, err=True)
+        sys.exit(code)
+    sys.exit(0)
+
+
+def _judge(error: BaseException) -> tuple[int, str]:
+    """Say an error in one line, and which exit code it is."""
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        return 2, error.format_message()
+    if isinstance(error, click.ClickException):
+        code, text = error.exit_code, error.format_message()
+    elif isinstance(error, CosimError):
+        code, text = 2 if isinstance(error, SetupError) else 1, str(error)
+    else:
+        code, text = 1, "interrupted"
+    return code, f"seat-cosim: error: {' '.join(text.split())}"

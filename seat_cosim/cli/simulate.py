@@ -1,0 +1,148 @@
+"""``seat-cosim simulate``: any system, with other FMUs in the places of its components."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.box import SIMPLE
+from rich.table import Table
+
+from cosim.engine.editing import edit, parse_source
+from cosim.engine.step_order import delay
+from cosim.engine.structure import ALGORITHMS, Algorithm
+from cosim.errors import SetupError
+from cosim.results.result import Result
+from cosim.run_folder import run_to_folder
+from cosim.system import System
+from seat_cosim.cli.console import command_line, conclude, console, progress_shown
+from seat_cosim.cli.options import (
+    assignments,
+    parameter_sets,
+    parameters_option,
+    run_options,
+    seconds,
+    set_option,
+    settings_of,
+)
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp")
+@click.option("--replace", multiple=True, metavar="COMPONENT=FILE.fmu", help="Put another FMU in a component's place.")
+@click.option(
+    "--connect",
+    multiple=True,
+    metavar="A.x=B.y",
+    help="Feed input B.y with output A.x; FACTOR*A.x+OFFSET transforms its values.",
+)
+@click.option("--disconnect", multiple=True, metavar="B.y", help="Free input B.y.")
+@parameters_option
+@set_option
+@click.option("--stop-time", type=float, metavar="S", help="[default: the system's]")
+@click.option("--step-size", type=float, metavar="S", help="Communication step [default: the system's]")
+@click.option("--component-step", multiple=True, metavar="COMPONENT=S", help="A component's own step; repeatable.")
+@click.option("--algorithm", type=click.Choice(ALGORITHMS), help="[default: the system's, else gauss-seidel]")
+@click.option("--order", metavar="A,B,C", help="In which components step [default: the system's, else a proposal]")
+@click.option("--record", multiple=True, metavar="A.x", help="Record this output [default: all]; repeatable.")
+@run_options
+@click.option("--save", type=click.Path(path_type=Path), metavar="FILE.ssp", help="Write the system as it is run.")
+@click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/simulate/NAME].")
+def simulate(
+    file: Path,
+    replace: tuple[str, ...],
+    connect: tuple[str, ...],
+    disconnect: tuple[str, ...],
+    parameter_files: tuple[str, ...],
+    settings: tuple[str, ...],
+    stop_time: float | None,
+    step_size: float | None,
+    component_step: tuple[str, ...],
+    algorithm: Algorithm | None,
+    order: str | None,
+    record: tuple[str, ...],
+    save: Path | None,
+    output: Path | None,
+    **how: Any,
+) -> None:
+    """Run any system of FMUs (SSP 1.0); writes result.csv, a figure and run.json, which `rerun` takes.
+
+    \b
+    Examples:
+      seat-cosim simulate fmus/SeatSuspension.ssp --set seat.driver_mass=70
+      seat-cosim simulate fmus/SeatSuspension.ssp --algorithm jacobi --stop-time 5
+      seat-cosim simulate fmus/SeatSuspension.ssp --replace seat=fmus/fmi3/SeatPlant.fmu
+      seat-cosim simulate fmus/SeatSuspension.ssp --replace shaker=Cabin.fmu \\
+          --connect "0.001*shaker.z=seat.floor_displacement" --isolate shaker
+    """
+    system = System.load(file)
+    replacements = assignments("--replace", replace, "COMPONENT=FILE.fmu")
+    edit(system, replacements, disconnect, [_connection(text) for text in connect])
+    system.parameters |= parameter_sets(parameter_files, system) | settings_of(settings)
+    system.stop_time = system.stop_time if stop_time is None else stop_time
+    system.step_size = system.step_size if step_size is None else step_size
+    system.component_steps |= seconds("--component-step", component_step)
+    system.algorithm = algorithm or system.algorithm
+    if order:
+        system.order = [name.strip() for name in order.split(",")]
+    system.validate(record=record or None)
+    if save:
+        system.save(save)
+    _print_exchange(system)
+    folder = output or Path("results", "simulate", file.stem)
+    with progress_shown(f"running {file.name}") as report:
+        result = run_to_folder(
+            system,
+            folder,
+            record=record or None,
+            progress=lambda time: report(f"{time:.1f} of {system.stop_time:g} s"),
+            command=command_line(),
+            **how,
+        )
+    conclude(result)
+    _draw(system, result, folder / "overview.png", record)
+    if how["real_time"]:
+        console.print(f"{result.missed_deadlines} deadlines missed, the worst by {result.worst_lateness * 1e3:.1f} ms")
+    console.print(f"{len(result.time)} rows and figure in {folder}", soft_wrap=True)
+
+
+def _connection(text: str) -> tuple[str, Any, str]:
+    """Read ``A.x=B.y``."""
+    source, equals, sink = text.rpartition("=")
+    if not (source.strip() and equals and sink.strip()):
+        raise SetupError(f"--connect {text}: expected A.x=B.y, the output first")
+    return *parse_source(source), sink.strip()
+
+
+def _print_exchange(system: System) -> None:
+    """Print the connections, when their values are made, and the order in which components step."""
+    order, together = system.order, system.algorithm == "jacobi"
+    table = Table("from", "to", "transformation", "samples late", box=SIMPLE)
+    ahead = []
+    for sink, edge in system.edges().items():
+        feed = system.connections[sink]
+        late = delay(edge, order, together)
+        factor, offset = feed.transformation
+        text = "" if feed.transformation == (1.0, 0.0) else f"{factor:g} x{f' {offset:+g}' if offset else ''}"
+        table.add_row(str(feed.source), str(sink), text, f"{late:d}")
+        ahead += [f"{feed.source} -> {sink}"] if late < 0 else []
+    console.print(table)
+    if together:
+        console.print("all components exchange their values at once, then step (jacobi)")
+    else:
+        origin = "" if system.order_is_given else ", proposed from what is sampled and what is continuous"
+        console.print(f"components step in the order {', '.join(order)}{origin}", soft_wrap=True)
+    for connection in ahead:
+        console.print(f"note: {connection} hands over the value of the step's end: one sample ahead", soft_wrap=True)
+
+
+def _draw(system: System, result: Result, path: Path, record: Iterable[str]) -> None:
+    """Draw what passes through the connections, and what was asked for."""
+    from seat_cosim.plotting import by_unit, draw
+
+    sources = dict.fromkeys(str(feed.source) for feed in system.connections.values())
+    shown = {name: result[name] for name in (record or sources) if name in result.values}
+    if shown:
+        draw(path, system.name, by_unit(result.time, shown, result.units))

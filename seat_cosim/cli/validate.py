@@ -1,0 +1,116 @@
+"""The command ``seat-cosim validate``: the conformance suite on any FMU."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from rich.box import SIMPLE
+from rich.table import Table
+
+from cosim.conformance import TIME_LIMIT
+from cosim.errors import SetupError
+from seat_cosim.cli.console import console, progress_shown
+
+if TYPE_CHECKING:  # the suite is loaded by this command alone
+    from cosim.conformance.suite import Examination
+
+
+@click.command("validate")
+@click.argument("files", type=click.Path(path_type=Path), nargs=-1, metavar="FILE.fmu...")
+@click.option("--rule", "only", multiple=True, metavar="ID|GROUP", help="Show this rule, or group, alone; repeatable.")
+@click.option("--skip", multiple=True, metavar="ID|GROUP", help="Leave this rule, or group, out; repeatable.")
+@click.option("--strict", is_flag=True, help="Warnings count as errors.")
+@click.option("--json", "target", metavar="FILE", help="Write the outcomes as JSON; - for standard output.")
+@click.option("--full", is_flag=True, help="Show all messages of a rule.")
+@click.option("--list", "listing", is_flag=True, help="List the rules and end.")
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0.1, max=86400.0),
+    default=TIME_LIMIT,
+    show_default=True,
+    metavar="S",
+    help="For each rule that runs the FMU.",
+)
+def validate_command(
+    files: tuple[Path, ...],
+    only: tuple[str, ...],
+    skip: tuple[str, ...],
+    strict: bool,
+    target: str | None,
+    full: bool,
+    listing: bool,
+    time_limit: float,
+) -> None:
+    """Check FMUs for co-simulation (FMI 2.0 and 3.0) against the standard: archive, description, behaviour.
+
+    Each rule that runs the FMU does so in a process of its own: a crash or a hang is a finding. What the standard
+    demands is an error, what is merely wise a warning. Exit code 0: no errors; 1: errors (with --strict also warnings);
+    2: wrong use or no such file.
+
+    \b
+    Examples:
+      seat-cosim validate fmus/fmi3/SeatPlant.fmu
+      seat-cosim validate --strict --json report.json *.fmu
+      seat-cosim validate --rule lifecycle.reset --rule state.continues Foreign.fmu
+      seat-cosim validate --skip life --skip steps Foreign.fmu
+      seat-cosim validate --list
+    """
+    from cosim.conformance import report
+    from cosim.conformance.process import Processes
+    from cosim.conformance.suite import validate
+
+    if listing:
+        console.print(_listing())
+        return
+    if not files:
+        raise click.UsageError("Missing argument 'FILE.fmu...'.")
+    if missing := [path for path in files if not path.is_file()]:
+        raise SetupError(*(f"{path}: expected an FMU, got no such file" for path in missing))
+    found = []
+    with Processes() as processes, progress_shown("validating") as tell:
+        for path in files:
+            found.append(
+                validate(
+                    path,
+                    only=only,
+                    skip=skip,
+                    time_limit=time_limit,
+                    processes=processes,
+                    progress=lambda name, path=path: tell(f"{path.name} {name}"),  # type: ignore[misc]
+                )
+            )
+            if target != "-":
+                console.print(report.table(found[-1], full))
+    _conclude(found, target)
+    if any(f.severity == "error" or strict for one in found for f in one.findings):
+        sys.exit(1)
+
+
+def _conclude(found: list[Examination], target: str | None) -> None:
+    """Write JSON where that is asked for, and print a line for each FMU."""
+    from cosim.conformance import report
+
+    if target is not None:
+        text = json.dumps(report.data(found), indent=2) + "\n"
+        if target == "-":
+            click.echo(text, nl=False)
+            return
+        try:
+            Path(target).write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise SetupError(f"--json {target}: expected a file to write to, got: {error.strerror}") from error
+    for one in found:
+        console.print(report.summary(one), soft_wrap=True, markup=False)
+
+
+def _listing() -> Table:
+    from cosim.conformance.suite import load_rules
+
+    table = Table("rule", "severity", "runs the FMU", "what holds", box=SIMPLE)
+    for rule in load_rules().values():
+        table.add_row(rule.id, rule.severity, "yes" if rule.stage == "behaviour" else "", rule.title)
+    return table

@@ -1,0 +1,1 @@
+"""Evaluation of a seat over classes of excitation and drivers."""

@@ -1,0 +1,37 @@
+"""All experiments, in the order of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from seat_cosim.paper.beyond import beyond_the_paper
+from seat_cosim.paper.contents import CONTENTS
+from seat_cosim.paper.finding import Finding
+from seat_cosim.paper.friction import friction_loops
+from seat_cosim.paper.rig_bump import rig_bumps
+from seat_cosim.paper.rig_ride import rig_rides
+from seat_cosim.paper.runner import Lab
+from seat_cosim.paper.settings import parameters
+from seat_cosim.paper.simulation import simulated_bump
+from seat_cosim.paper.transmissibility import rig_transmissibility, simulated_transmissibility
+
+EXPERIMENTS: dict[str, Callable[[Lab], Iterator[Finding]]] = {
+    "parameters": parameters,
+    "simulated bump": simulated_bump,
+    "simulated transmissibility": simulated_transmissibility,
+    "transmissibility on the rig": rig_transmissibility,
+    "bumps on the rig": rig_bumps,
+    "random rides": rig_rides,
+    "friction": friction_loops,
+    "beyond the paper": beyond_the_paper,
+}
+"""What is run, by name."""
+
+
+def findings(lab: Lab) -> list[Finding]:
+    """Make them all: one for each entry of :data:`seat_cosim.paper.contents.CONTENTS`, in that order."""
+    found: dict[str, Finding] = {}
+    for name, experiment in EXPERIMENTS.items():
+        lab.progress(name)
+        found |= {finding.key: finding for finding in experiment(lab)}
+    return [found[entry.key] for entry in CONTENTS]

@@ -1,0 +1,179 @@
+"""The conformance suite on good FMUs: ours and such as the public reference models; what it says of foreign ones."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from fmpy.validation import validate_fmu
+from fmu_manipulation_toolbox.cli.fmutool import fmutool
+
+from cosim.conformance.process import Processes
+from cosim.conformance.suite import Examination, load_rules, validate
+from seat_cosim.components import COMPONENTS
+from tests.helpers.reference_fmus import MODELS, Workshop
+from tests.helpers.shell import Shell
+
+NAMES = [component.name for component in COMPONENTS]
+
+PYTHONFMU = {"lifecycle.token", "lifecycle.call-order", "lifecycle.fixed", "state.free", "side_effects.memory"}
+"""What pythonfmu's library does to every FMU it is in: it answers these calls without asking the FMU."""
+
+
+@pytest.fixture(scope="module")
+def processes() -> Iterator[Processes]:
+    with Processes() as shared:
+        yield shared
+
+
+@pytest.fixture(scope="module")
+def workshop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
+    return Workshop(tmp_path_factory.mktemp("reference"))
+
+
+def told(found: Examination) -> list[str]:
+    return [f"{finding.rule}: {finding.message}" for finding in found.findings]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
+def test_native_fmus_conform(native: Path, processes: Processes, flavour: str, name: str):
+    found = validate(native / flavour / f"{name}.fmu", processes=processes)
+    assert told(found) == []
+    inapplicable = {name for name, outcome in found.outcomes.items() if outcome.reason}
+    assert inapplicable <= {
+        "description.step",  # they take steps of any size
+        "variables.derivatives",  # and have no continuous states to show
+        "structure.derivatives",
+        "structure.dependencies-told",  # the shaker has no inputs
+    }
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_python_fmus_conform_but_for_what_pythonfmu_does(fmus: Path, processes: Processes, name: str):
+    found = validate(fmus / f"{name}.fmu", processes=processes)
+    assert {finding.rule for finding in found.findings} <= PYTHONFMU, told(found)
+    assert found.outcomes["state.continues"].verdict == "passed"
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("model", MODELS)
+def test_no_false_alarm_on_fmus_like_the_reference_models(
+    workshop: Workshop, processes: Processes, model: str, fmi: int
+):
+    found = validate(workshop.make(model, fmi), processes=processes)
+    assert told(found) == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("flavour", ["fmi2", "fmi3", "python"])
+def test_other_validators_find_nothing_either(
+    native: Path, fmus: Path, monkeypatch: pytest.MonkeyPatch, flavour: str, name: str
+):
+    path = str((fmus if flavour == "python" else native / flavour) / f"{name}.fmu")
+    assert validate_fmu(path) == []
+    monkeypatch.setattr(sys, "argv", ["fmutool", "-input", path, "-check"])
+    fmutool()  # which would exit
+
+
+def test_other_validators_would_find_something(foreign: Path, monkeypatch: pytest.MonkeyPatch):
+    path = str(foreign / "Cabin.fmu")
+    assert validate_fmu(path) != []
+    monkeypatch.setattr(sys, "argv", ["fmutool", "-input", path, "-check"])
+    with pytest.raises(SystemExit):
+        fmutool()
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("Cabin", {"variables.combinations", "structure.initial-unknowns", "steps.stop-time"}),
+        ("Skyhook", {"variables.combinations", "structure.initial-unknowns", "steps.stop-time"}),
+        ("Truck", {"steps.stop-time"}),
+        ("Chair", {"steps.stop-time", "steps.time"}),
+    ],
+)
+def test_what_is_wrong_with_raw_fmus_of_foreign_tools(
+    foreign: Path, processes: Processes, name: str, expected: set[str]
+):
+    found = validate(foreign / f"{name}.fmu", processes=processes, skip=["side_effects.memory"])
+    assert {finding.rule for finding in found.findings if finding.severity == "error"} == expected
+
+
+# ---- the command -----------------------------------------------------------------------------------------------------
+
+
+def test_rules_are_documented():
+    for rule in load_rules().values():
+        assert rule.title
+        assert rule.clause or rule.severity == "warning" or rule.id == "archive.size"
+        assert set(rule.needs) <= set(load_rules())
+
+
+def test_command_prints_a_row_for_each_rule(shell: Shell, native: Path):
+    code, out, err = shell("validate", str(native / "fmi3" / "SeatPlant.fmu"))
+    assert code == 0, err
+    assert all(name in out for name in load_rules())
+    assert "0 failed, 0 with warnings" in out
+
+
+def test_command_fails_for_ci_and_tells_json(shell: Shell, workshop: Workshop):
+    path = workshop.make(xml=lambda text: text.replace('stepSize="0.1"', 'stepSize="-1"'))
+    code, out, _ = shell("validate", str(path), "--json", "-", "--rule", "description.experiment")
+    assert code == 1
+    (fmu,) = json.loads(out)["fmus"]
+    (row,) = fmu["rules"]
+    assert (row["rule"], row["verdict"]) == ("description.experiment", "failed")
+    assert row["findings"] == [
+        {"severity": "error", "message": "DefaultExperiment: expected a stepSize above 0, got -1"}
+    ]
+    both = ("--rule", "description.experiment", "--rule", "archive.paths")
+    assert shell("validate", str(path), *both, "--skip", "description.experiment")[0] == 0
+
+
+def test_groups_of_rules_are_chosen_and_left_out(native: Path):
+    running = ("binary", "lifecycle", "steps", "state", "side_effects")
+    for words in ({"only": ("archive", "description.schema")}, {"skip": ("variables", "structure", *running)}):
+        shown = set(validate(native / "fmi2" / "Shaker.fmu", **words).outcomes)
+        assert "description.schema" in shown
+        assert {"archive.paths", "archive.size"} <= shown
+        assert not {name for name in shown if name.startswith(("variables.", "structure.", *running))}
+
+
+def test_warnings_count_only_where_that_is_asked_for(shell: Shell, workshop: Workshop, tmp_path: Path):
+    path = workshop.make(archive=lambda members: members | {"notes.txt": b"remember"})
+    assert shell("validate", str(path), "--rule", "archive.stray")[0] == 0
+    code, out, _ = shell("validate", str(path), "--rule", "archive.stray", "--strict", "--json", "report.json")
+    assert code == 1
+    assert "1 with warnings" in out
+    assert json.loads((tmp_path / "report.json").read_text())["fmus"][0]["warnings"] == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nowhere.fmu"], "nowhere.fmu: expected an FMU, got no such file"),
+        ([], "Missing argument"),
+        (
+            ["{fmu}", "--rule", "lifecycle.forever"],
+            "rule lifecycle.forever: expected an id that --list shows, or one of archive",
+        ),
+        (["{fmu}", "--time-limit", "0"], "--time-limit"),
+        (["{fmu}", "--json", "no/such/folder.json", "--rule", "archive.paths"], "--json no/such/folder.json: expected"),
+    ],
+)
+def test_wrong_use_is_told_in_one_line(shell: Shell, native: Path, words: list[str], message: str):
+    fmu = str(native / "fmi2" / "Shaker.fmu")
+    code, _, err = shell("validate", *(word.format(fmu=fmu) for word in words))
+    assert code == 2
+    assert message in err
+    assert len(err.strip().splitlines()) == 1
+
+
+def test_rules_are_listed(shell: Shell):
+    code, out, _ = shell("validate", "--list")
+    assert code == 0
+    assert all(name in out for name in load_rules())

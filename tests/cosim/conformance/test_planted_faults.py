@@ -1,0 +1,486 @@
+"""Broken FMUs, one planted fault each: the rule that is meant finds it, and no other rule finds anything."""
+
+from __future__ import annotations
+
+import io
+import stat
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from cosim.conformance.process import Processes
+from cosim.conformance.suite import load_rules, validate
+from cosim.errors import RunError
+from tests.helpers.reference_fmus import Workshop
+
+FILES_ONLY = [rule.id for rule in load_rules().values() if rule.stage != "behaviour"]
+SUFFIX = fmpy.sharedLibraryExtension
+Members = dict[str, bytes]
+
+
+@pytest.fixture(scope="module")
+def processes() -> Iterator[Processes]:
+    with Processes() as shared:
+        yield shared
+
+
+@pytest.fixture(scope="module")
+def workshop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
+    return Workshop(tmp_path_factory.mktemp("broken"))
+
+
+def found_in(path: Path) -> dict[str, list[str]]:
+    """What rules on files found, by rule."""
+    found: dict[str, list[str]] = {}
+    for finding in validate(path, only=FILES_ONLY).findings:
+        found.setdefault(finding.rule, []).append(finding.message)
+    return found
+
+
+def replaced(change: tuple[str, ...]) -> Callable[[str], str]:
+    """Write the second text for the first, the fourth for the third, ..., once each."""
+
+    def replace(text: str) -> str:
+        for old, new in zip(change[::2], change[1::2], strict=True):
+            assert old in text, old
+            text = text.replace(old, new, 1)
+        return text
+
+    return replace
+
+
+# ---- descriptions ----------------------------------------------------------------------------------------------------
+
+DESCRIPTIONS = [
+    # rule, model, FMI, what is written instead of what, part of the message
+    ("description.readable", "stair", 2, ("</fmiModelDescription>", ""), "well-formed XML"),
+    ("description.version", "stair", 2, ('fmiVersion="2.0"', 'fmiVersion="1.0"'), "expected 2.0 or 3.0, got 1.0"),
+    ("description.schema", "stair", 2, (' modelName="stair"', ""), "modelName"),
+    ("description.schema", "stair", 3, ("<LogCategories>", "<LogCategories/><LogCategories>"), "LogCategories"),
+    (
+        "description.identifier",
+        "stair",
+        2,
+        ("<CoSimulation", '<ModelExchange modelIdentifier="1st-model"/><CoSimulation'),
+        "1st-model",
+    ),
+    ("description.token", "stair", 2, ('guid="{stair}"', 'guid=""'), "guid: expected a text"),
+    ("description.token", "stair", 3, ('Token="{stair}"', 'Token=" {stair}"'), "no space around it"),
+    ("description.capabilities", "stair", 2, ('canGetAndSetFMUstate="true"', ""), "canGetAndSetFMUState"),
+    ("description.capabilities", "stair", 3, ('StepSize="0.1"/>', 'StepSize="-1"/>'), "fixedInternalStepSize above 0"),
+    ("description.experiment", "stair", 2, ('stopTime="10"', 'stopTime="-1"'), "expected a stopTime after 0, got -1"),
+    ("description.experiment", "stair", 3, ('stepSize="0.1"/>\n<M', 'stepSize="INF"/>\n<M'), "finite stepSize"),
+    (
+        "description.step",
+        "dahlquist",
+        2,
+        ('canHandleVariableCommunicationStepSize="true"', "", ' stepSize="0.1"', ""),
+        "expected a stepSize in the DefaultExperiment",
+    ),
+    ("variables.names-unique", "feedthrough", 2, ('name="real_out"', 'name="real_in"'), "real_in: expected one"),
+    ("variables.names-legal", "stair", 2, ('name="counter"', 'name="a&#10;b"'), "without line breaks"),
+    (
+        "variables.names-legal",
+        "stair",
+        3,
+        (
+            ' modelName="stair"',
+            ' modelName="stair" variableNamingConvention="structured"',
+            '"counter"',
+            '"1st counter"',
+        ),
+        "expected a structured name",
+    ),
+    ("variables.references", "feedthrough", 3, ('Reference="4"', 'Reference="5"'), "5: expected one variable"),
+    ("variables.references", "feedthrough", 2, ('Reference="10"', 'Reference="4"'), "at most one of the aliases"),
+    (
+        "variables.combinations",
+        "dahlquist",
+        2,
+        ('causality="parameter" variability="fixed"', 'causality="parameter"'),
+        "expected a variability that fits parameter, got continuous by default",
+    ),
+    (
+        "variables.combinations",
+        "dahlquist",
+        2,
+        ('causality="input"', 'causality="input" initial="exact"'),
+        "no initial of an input in FMI 2.0",
+    ),
+    (
+        "variables.combinations",
+        "feedthrough",
+        3,
+        (
+            'valueReference="14" causality="input" variability="discrete"',
+            'valueReference="14" causality="input" variability="continuous"',
+        ),
+        "expected another variability of a Int32",
+    ),
+    ("variables.start", "feedthrough", 2, ('<Real start="0"/>', "<Real/>"), "expected a start value of a parameter"),
+    ("variables.start", "dahlquist", 3, ('derivative="1"', 'derivative="1" start="0"'), "expected no start value"),
+    ("variables.bounds", "feedthrough", 2, ('max="4" start="2"', 'max="4" start="5"'), "in [0, 4], got 5"),
+    ("variables.bounds", "feedthrough", 3, ('min="0" max="4"', 'min="4" max="0"'), "expected min of at most max"),
+    ("variables.bounds", "feedthrough", 2, ('"Option" start="1"', '"Option" start="7"'), "among the items 1, 2"),
+    ("variables.types", "feedthrough", 2, ('Type="Option" start', 'Type="Options" start'), "got Options"),
+    ("variables.types", "feedthrough", 3, ('<Item name="two" value="2"/>', '<Item name="two" value="1"/>'), "1, 1"),
+    ("variables.units", "dahlquist", 2, ('unit="1/s"', 'unit="furlong"'), "got furlong, which is not there"),
+    ("variables.units", "dahlquist", 3, ('unit="m" ', 'unit="m" displayUnit="ell" '), "display unit of m, got ell"),
+    ("variables.units-defined", "dahlquist", 2, ('<BaseUnit s="-1"/>', ""), "unit 1/s: expected a BaseUnit"),
+    ("variables.independent", "stair", 3, ('causality="independent"', 'causality="local"'), "one independent variable"),
+    (
+        "variables.derivatives",
+        "dahlquist",
+        2,
+        ('derivative="2"', 'derivative="9"', '<Unknown index="3" dependencies="2"/>', '<Unknown index="3"/>'),
+        "got that of 9",
+    ),
+    (
+        "variables.derivatives",
+        "dahlquist",
+        3,
+        ('derivative="1"', 'derivative="2"', 'Reference="2" dependencies="1"', 'Reference="2"'),
+        "got its own",
+    ),
+    ("structure.references", "dahlquist", 2, ('dependencies="2"', 'dependencies="77"'), "that are there, got 77"),
+    (
+        "structure.references",
+        "stair",
+        3,
+        ('<Output valueReference="30"', '<Output valueReference="30"/><Output valueReference="30"'),
+        "got several",
+    ),
+    (
+        "structure.outputs",
+        "feedthrough",
+        2,
+        ('<Unknown index="5" dependencies="4"/>', ""),
+        "missing",
+    ),
+    (
+        "structure.initial-unknowns",
+        "dahlquist",
+        3,
+        ('<InitialUnknown valueReference="2" dependencies="1 3"/>', ""),
+        "missing",
+    ),
+    (
+        "structure.initial-unknowns",
+        "stair",
+        2,
+        ("</Outputs>", '</Outputs><InitialUnknowns><Unknown index="2"/></InitialUnknowns>'),
+        "alone, got counter",
+    ),
+    (
+        "structure.derivatives",
+        "dahlquist",
+        3,
+        (' derivative="1"', "", 'Reference="2" dependencies="1"', 'Reference="2"'),
+        "to have the attribute derivative",
+    ),
+    (
+        "structure.dependencies",
+        "dahlquist",
+        2,
+        ('<Unknown index="3" dependencies="2"/>', '<Unknown index="3" dependencies="2 4"/>'),
+        "fixed parameter",
+    ),
+    (
+        "structure.dependencies",
+        "dahlquist",
+        3,
+        ('dependencies="1 3"', 'dependencies="1 3" dependenciesKind="dependent"'),
+        "expected 2 kinds",
+    ),
+    (
+        "structure.dependencies-told",
+        "dahlquist",
+        2,
+        ('<Unknown index="2" dependencies=""/>', '<Unknown index="2"/>'),
+        "without",
+    ),
+]
+
+
+@pytest.mark.parametrize(("rule", "model", "fmi", "change", "message"), DESCRIPTIONS)
+def test_fault_in_the_description(
+    workshop: Workshop, rule: str, model: str, fmi: int, change: tuple[str, ...], message: str
+):
+    found = found_in(workshop.make(model, fmi, xml=replaced(change)))
+    assert list(found) == [rule], found
+    assert message in found[rule][0]
+
+
+def test_an_fmu_for_model_exchange_alone_is_one_clear_error(workshop: Workshop):
+    change = ("<CoSimulation", "<ModelExchange", ' canHandleVariableCommunicationStepSize="true"', "")
+    found = validate(workshop.make("stair", 2, xml=replaced(change)))
+    assert [finding.message for finding in found.findings] == ["expected an element CoSimulation, got ModelExchange"]
+    assert found.outcomes["lifecycle.sequence"].reason == "the FMU is not for co-simulation"
+
+
+# ---- archives --------------------------------------------------------------------------------------------------------
+
+
+def _with(name: str, content: bytes = b"x") -> Callable[[Members], Members]:
+    return lambda members: members | {name: content}
+
+
+def _moved(old: str, new: str) -> Callable[[Members], Members]:
+    return lambda members: {name.replace(old, new): content for name, content in members.items()}
+
+
+def _library(change: Callable[[bytes], bytes]) -> Callable[[Members], Members]:
+    return lambda members: {n: change(c) if n.endswith(SUFFIX) else c for n, c in members.items()}
+
+
+def _without_binaries(members: Members) -> Members:
+    return {name: content for name, content in members.items() if not name.startswith("binaries")}
+
+
+def _other_machine(library: bytes) -> bytes:
+    """Turn the library's machine in the ELF header into a SPARC."""
+    return library[:18] + b"\x02\x00" + library[20:]
+
+
+BUILD = b"""<fmiBuildDescription fmiVersion="3.0"><BuildConfiguration modelIdentifier="reference"><SourceFileSet>
+<SourceFile name="gone.c"/></SourceFileSet></BuildConfiguration></fmiBuildDescription>"""
+
+ARCHIVES = [
+    ("archive.paths", 2, _with("resources/../../evil.txt"), "inside the archive"),
+    ("archive.paths", 2, _with("/etc/evil"), "inside the archive"),
+    ("archive.paths", 3, _with("resources\\table.csv"), "forward slashes"),
+    ("archive.duplicates", 2, _with("resources/Table.csv"), "more than capitals"),
+    ("archive.description", 2, _moved("modelDescr", "resources/modelDescr"), "got resources/modelDescr"),
+    ("archive.stray", 2, _with("notes.txt"), "got an unknown entry"),
+    ("archive.stray", 3, _with("model.png"), "got an unknown entry"),
+    ("archive.stray", 2, _with("resources/.DS_Store"), "left behind"),
+    ("archive.implementation", 2, _without_binaries, "binaries or sources, got none"),
+    ("archive.platforms", 3, _moved(fmpy.platform_tuple, fmpy.platform), "got one of FMI 2.0"),
+    ("archive.platforms", 2, _moved(f"/{fmpy.platform}/", f"/{fmpy.platform_tuple}/"), "got a name of FMI 3.0"),
+    ("archive.binaries", 2, _moved(f"reference{SUFFIX}", f"Reference{SUFFIX}"), f"expected reference{SUFFIX}"),
+    ("archive.machine", 2, _library(_other_machine), "expected a library for ELF"),
+    ("archive.machine", 3, _library(lambda _: b"MZ" + bytes(100)), "got another kind of file"),
+    ("archive.sources", 3, _with("sources/model.c"), "expected a buildDescription.xml"),
+    ("archive.sources", 3, _with("sources/buildDescription.xml", BUILD), "got gone.c, which is not there"),
+    ("archive.documentation", 2, _with("documentation/main.html"), "expected an index.html"),
+    ("archive.documentation", 3, _with("documentation/licenses/MIT"), "expected license.txt"),
+]
+
+
+@pytest.mark.parametrize(("rule", "fmi", "change", "message"), ARCHIVES)
+def test_fault_in_the_archive(
+    workshop: Workshop, rule: str, fmi: int, change: Callable[[Members], Members], message: str
+):
+    first = {"resources/table.csv": b"x"}
+    found = found_in(workshop.make("stair", fmi, archive=lambda members: change(first | members)))
+    assert list(found) == [rule], found
+    assert message in found[rule][0]
+
+
+def test_sources_may_be_listed_in_any_notation(workshop: Workshop):
+    files = '<SourceFiles><File name="./gc/pool.c"/></SourceFiles></CoSimulation>'
+    change = ('canSerializeFMUstate="true"/>', f'canSerializeFMUstate="true">{files}')
+    assert found_in(workshop.make("stair", xml=replaced(change), archive=_with("sources/gc/pool.c"))) == {}
+    assert list(found_in(workshop.make("stair", xml=replaced(change), archive=_with("sources/pool.c")))) == [
+        "archive.sources"
+    ]
+
+
+def rewritten(path: Path, change: Callable[[zipfile.ZipFile, zipfile.ZipFile], None]) -> Path:
+    """Write an archive anew, with what only its lower level allows."""
+    content = path.read_bytes()
+    with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as new:
+        for member in old.infolist():
+            new.writestr(member, old.read(member))
+        change(old, new)
+    return path
+
+
+def test_a_member_that_comes_twice(workshop: Workshop):
+    def change(old: zipfile.ZipFile, new: zipfile.ZipFile) -> None:
+        with pytest.warns(UserWarning, match="Duplicate"):
+            new.writestr("modelDescription.xml", old.read("modelDescription.xml"))
+
+    assert found_in(rewritten(workshop.make("stair"), change)) == {
+        "archive.duplicates": ["member modelDescription.xml: expected it once, got it 2 times"]
+    }
+
+
+def test_a_link(workshop: Workshop):
+    def change(old: zipfile.ZipFile, new: zipfile.ZipFile) -> None:
+        link = zipfile.ZipInfo("resources/password")
+        link.external_attr = (stat.S_IFLNK | 0o777) << 16
+        new.writestr(link, "/etc/passwd")
+
+    assert found_in(rewritten(workshop.make("stair"), change)) == {
+        "archive.kinds": ["member resources/password: expected a file or folder, got a link or a device"]
+    }
+
+
+def test_another_compression(workshop: Workshop):
+    def change(old: zipfile.ZipFile, new: zipfile.ZipFile) -> None:
+        new.writestr("resources/table.csv", b"x" * 100, zipfile.ZIP_BZIP2)
+
+    found = found_in(rewritten(workshop.make("stair"), change))
+    assert list(found) == ["archive.compression"]
+
+
+def test_a_bomb(workshop: Workshop):
+    def change(old: zipfile.ZipFile, new: zipfile.ZipFile) -> None:
+        with new.open("resources/zeros", "w", force_zip64=True) as stream:
+            for _ in range(101):
+                stream.write(bytes(2**20))
+
+    found = found_in(rewritten(workshop.make("stair"), change))
+    assert list(found) == ["archive.size"]
+    assert "resources/zeros" in found["archive.size"][0]
+
+
+def test_damage(workshop: Workshop):
+    path = workshop.make("stair", archive=_with("resources/table.csv", b"0123456789" * 10))
+    with zipfile.ZipFile(path) as archive:
+        at = archive.getinfo("resources/table.csv").header_offset + 50
+    content = bytearray(path.read_bytes())
+    content[at] ^= 0xFF
+    path.write_bytes(content)
+    assert list(found_in(path)) == ["archive.readable"]
+
+
+def test_what_is_no_archive_at_all(workshop: Workshop):
+    path = workshop.folder / "text.fmu"
+    path.write_text("an FMU")
+    found = validate(path)
+    assert [finding.rule for finding in found.findings] == ["archive.readable"]
+
+
+# ---- behaviour -------------------------------------------------------------------------------------------------------
+
+BEHAVIOUR = [
+    # rule, model, FMI, fault built into the library, part of the message
+    ("binary.version", "dahlquist", 2, "version", "fmi2GetVersion: expected 2.0, got 1.0"),
+    ("binary.version", "dahlquist", 3, "version", "fmi3GetVersion: expected 3.0, got 2.0"),
+    ("lifecycle.token", "dahlquist", 2, "token", "expected no instance with {dahlquist}0"),
+    ("lifecycle.sequence", "dahlquist", 2, "crash", "crashed with signal 6 (SIGABRT)"),
+    ("lifecycle.sequence", "dahlquist", 3, "exit", "ended the process with exit code 3"),
+    (
+        "lifecycle.sequence",
+        "dahlquist",
+        3,
+        "error",
+        "t = 1.3 s, step 0.1 s: expected ok, got error (it says: step: some",
+    ),
+    ("lifecycle.free-null", "dahlquist", 2, "free_null", "crashed"),
+    ("lifecycle.terminated", "dahlquist", 2, "terminated", "after Terminate: x: expected"),
+    ("lifecycle.reset", "dahlquist", 3, "reset", "after Reset: at t = 0.1 s: x: expected"),
+    ("lifecycle.instances", "dahlquist", 2, "shared", "beside another instance: at t = 0.1 s: x"),
+    ("lifecycle.logging", "dahlquist", 3, "logging", "fmi3SetDebugLogging: expected ok, got error"),
+    ("lifecycle.call-order", "dahlquist", 2, "order", "a step before the initialisation: expected an error, got ok"),
+    ("lifecycle.call-order", "dahlquist", 3, "order_crash", "crashed"),
+    ("lifecycle.fixed", "dahlquist", 2, "fixed", "it took k"),
+    ("steps.inputs", "dahlquist", 2, "input", "u (line 16): expected to take"),
+    ("steps.deterministic", "dahlquist", 3, "random", "in a second run: at t = 0.1 s: x"),
+    ("steps.time", "dahlquist", 2, "time", "expected time (line 12) to be 0.1 s, got 0.05 s"),
+    ("steps.variable", "dahlquist", 2, "fixed_step", "step 0.05 s: expected ok, got error"),
+    ("steps.backward", "dahlquist", 3, "backward", "step of -0.1 s: expected an error, got ok"),
+    ("steps.stop-time", "dahlquist", 2, "stop", "from the stop time 0.3 s on: expected an error, got ok"),
+    ("steps.bounds", "feedthrough", 2, "bounds", "expected values in [-1000, 1000], got 1000000.0"),
+    ("steps.finite", "feedthrough", 3, "nan", "real_out"),
+    ("steps.constant", "dahlquist", 2, "constant", "at t = 0.1 s: expected 1.0 as before, got 1.5"),
+    ("steps.limits", "feedthrough", 2, "clamps", "expected 9 to be refused or taken as it is, got 4.0 instead"),
+    ("state.continues", "dahlquist", 3, "state", "after setting the state: x"),
+    ("state.serialises", "dahlquist", 2, "serialise", "in a fresh instance: at t = 1.1 s: x"),
+    ("state.free", "dahlquist", 3, "state_free", "expected the pointer to be null"),
+    ("side_effects.output", "dahlquist", 2, "stdout", "printed: hello"),
+    ("side_effects.output", "dahlquist", 3, "stderr", "printed: hello"),
+    ("side_effects.files", "dahlquist", 2, "file", "got left.txt"),
+    ("side_effects.files", "dahlquist", 3, "resource", "left.txt"),
+    ("side_effects.process", "dahlquist", 2, "chdir", "working folder"),
+    ("side_effects.process", "dahlquist", 3, "denormals", "flushed to zero"),
+    ("side_effects.memory", "dahlquist", 2, "memory", "KiB each"),
+    ("side_effects.descriptors", "dahlquist", 2, "descriptor", "got 3 more"),
+]
+
+
+@pytest.mark.parametrize(("rule", "model", "fmi", "fault", "message"), BEHAVIOUR)
+def test_fault_in_the_library(
+    workshop: Workshop, processes: Processes, rule: str, model: str, fmi: int, fault: str, message: str
+):
+    skip = {"side_effects.memory"} - {rule}  # the slowest, and on good FMUs elsewhere
+    findings = validate(workshop.make(model, fmi, fault), processes=processes, skip=skip).findings
+    assert {finding.rule for finding in findings} == {rule}, findings
+    assert message in findings[0].message
+
+
+def test_a_hang_is_a_finding(workshop: Workshop, processes: Processes):
+    found = validate(workshop.make("dahlquist", 2, "hang"), processes=processes, time_limit=0.5)
+    assert [(f.rule, f.message) for f in found.findings] == [
+        ("lifecycle.sequence", "expected an end within 0.5 s, the FMU hung")
+    ]
+    assert found.outcomes["lifecycle.reset"].reason == "see lifecycle.sequence"
+
+
+def test_the_end_of_the_process_that_runs_fmus_is_told(workshop: Workshop):
+    path = workshop.make()
+    with Processes() as own:
+        validate(path, processes=own, only=["binary.loads"])
+        own._process.kill()
+        with pytest.raises(
+            RunError, match="binary.loads: expected an answer, but the process that runs FMUs has ended"
+        ):
+            validate(path, processes=own, only=["binary.loads"])
+
+
+def test_a_missing_function(workshop: Workshop, processes: Processes):
+    path = workshop.make(binary=lambda library: library.replace(b"fmi2CancelStep\0", b"xmi2CancelStep\0"))
+    found = validate(path, processes=processes).findings
+    assert [(f.rule, "none of fmi2CancelStep" in f.message) for f in found] == [("binary.symbols", True)]
+
+
+def test_a_missing_library(workshop: Workshop, processes: Processes):
+    path = workshop.make(fmi=3, binary=lambda library: library.replace(b"libc.so.6\0", b"libq.so.6\0"))
+    found = validate(path, processes=processes).findings
+    assert [(f.rule, "libq.so.6" in f.message) for f in found] == [("binary.loads", True)]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_another_token_in_the_description_than_in_the_library(workshop: Workshop, processes: Processes, fmi: int):
+    path = workshop.make(fmi=fmi, xml=lambda text: text.replace("{dahlquist}", "{dahlquish}"))
+    found = validate(path, processes=processes).findings
+    assert [f.rule for f in found] == ["lifecycle.instantiate"]
+    assert "{dahlquish}, got none" in found[0].message
+
+
+def test_an_fmu_that_cannot_be_made_without_its_tool_has_not_passed(workshop: Workshop, processes: Processes):
+    change = replaced(("{dahlquist}", "{dahlquish}", "<CoSimulation", '<CoSimulation needsExecutionTool="true"'))
+    found = validate(workshop.make(xml=change), processes=processes).findings
+    assert [f.rule for f in found] == ["lifecycle.instantiate"]
+    assert found[0].message.endswith("the FMU needs another tool, which may be missing here")
+
+
+@pytest.mark.parametrize(
+    ("model", "fmi", "old", "new", "message"),
+    [
+        ("dahlquist", 2, 'start="1"/>', 'start="1.5"/>', "x (line 13): expected start value 1.5, got 1.0"),
+        ("feedthrough", 2, 'start="Set me!"', 'start="Set it!"', "expected start value Set it!, got Set me!"),
+        ("feedthrough", 3, 'value="666f6f"', 'value="666f6e"', "expected start value fon, got foo"),
+        ("feedthrough", 3, '"Option" start="1"', '"Option" start="2"', "expected start value 2, got 1"),
+        ("feedthrough", 2, 'start="false"', 'start="true"', "expected start value 1, got 0"),
+    ],
+)
+def test_other_start_values_in_the_description_than_in_the_library(
+    workshop: Workshop, processes: Processes, model: str, fmi: int, old: str, new: str, message: str
+):
+    path = workshop.make(model, fmi, xml=replaced((old, new)))
+    found = validate(path, processes=processes, only=["lifecycle.start-values"]).findings
+    assert [f.rule for f in found] == ["lifecycle.start-values"]
+    assert message in found[0].message
+
+
+def test_every_rule_finds_a_planted_fault():
+    planted = {case[0] for cases in (DESCRIPTIONS, ARCHIVES, BEHAVIOUR) for case in cases}
+    planted |= {"archive.readable", "archive.kinds", "archive.compression", "archive.size", "description.interface"}
+    planted |= {"binary.loads", "binary.symbols", "lifecycle.instantiate", "lifecycle.start-values"}
+    assert set(load_rules()) - planted == {"fmpy_check.fmpy"}  # what only fmpy sees is not known

@@ -1,0 +1,120 @@
+"""The end stops against closed forms: statics, an elastic bounce, energy, a force that never pulls."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from fmus.component import ParameterError
+from plant_models.seat.interface import Inputs, Parameters
+from plant_models.seat.seat import Masses, State, advance, initial, prepare
+
+H = 0.002
+FREE = {"friction_alpha": 0.0, "suspension_stiffness": 0.0, "cushion_stiffness": 0.0, "cushion_damping": 0.0}
+TRAVEL = 0.04
+
+
+def stops(stiffness: float, damping: float = 0.0, **others: float) -> Parameters:
+    return Parameters(end_stop_travel=TRAVEL, end_stop_stiffness=stiffness, end_stop_damping=damping, **others)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_force_beyond_the_travel_is_carried_by_suspension_and_end_stop(sign: float):
+    p = stops(2e5, 3000.0, friction_alpha=0.0, suspension_damping=2000.0)
+    c = prepare(p)
+    state = initial(Inputs(), c, 0.0)[0]
+    for k in range(3000):
+        state, outputs = advance(state, Inputs(force=sign * 500.0), c, k * H, H)
+    expected = sign * (500.0 + 2e5 * TRAVEL) / (p.suspension_stiffness + 2e5)
+    assert outputs.suspension_deflection == pytest.approx(expected, rel=1e-9)
+    assert abs(outputs.seat_acceleration) < 1e-9
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e5, 1e6])
+@pytest.mark.parametrize("step", [1e-3, H, 0.01])
+def test_a_free_mass_bounces_off_an_elastic_end_stop(stiffness: float, step: float):
+    """In contact for half a period pi sqrt(m/k), then it leaves as fast as it came."""
+    p = stops(stiffness, **FREE)
+    c = prepare(p)
+    speed = 0.7
+    state = State(Masses(0.0, speed, 0.0, 0.0, 0.0))
+    contact = math.pi * math.sqrt(p.seat_mass / stiffness)
+    count = math.ceil((TRAVEL / speed + contact) / step) + 3
+    for k in range(count):
+        state, _ = advance(state, Inputs(), c, k * step, step)
+    assert state.masses.seat_velocity == pytest.approx(-speed, rel=2e-5)
+    left = count * step - TRAVEL / speed - contact
+    assert state.masses.seat_displacement == pytest.approx(TRAVEL - speed * left, abs=2e-6)
+
+
+def energy(state: State, p: Parameters) -> float:
+    """Kinetic and elastic energy on a floor at rest, in J."""
+    depth = max(0.0, abs(state.masses.seat_displacement) - TRAVEL)
+    return 0.5 * (
+        p.seat_mass * state.masses.seat_velocity**2
+        + p.driver_mass * state.masses.driver_velocity**2
+        + p.suspension_stiffness * state.masses.seat_displacement**2
+        + p.cushion_stiffness * (state.masses.driver_displacement - state.masses.seat_displacement) ** 2
+        + p.end_stop_stiffness * depth**2
+    )
+
+
+@pytest.mark.parametrize(("stiffness", "damping"), [(1e5, 0.0), (1e5, 300.0), (1e5, 5000.0), (1e6, 2000.0)])
+def test_impacts_take_energy_and_never_give_any(stiffness: float, damping: float):
+    p = stops(stiffness, damping, friction_alpha=0.0)
+    c = prepare(p)
+    state = State(Masses(0.035, 1.5, 0.035, 1.5, 0.0))
+    energies, hits = [energy(state, p)], 0
+    for k in range(2000):
+        state, _ = advance(state, Inputs(), c, k * H, H)
+        energies.append(energy(state, p))
+        hits += abs(state.masses.seat_displacement) > TRAVEL
+    assert hits > 5
+    assert np.diff(energies).max() < 1e-6 * energies[0]  # of rounding and of RK4
+    assert energies[-1] < 0.6 * energies[0]
+
+
+def test_an_end_stop_never_pulls():
+    """Leaving fast, the damper alone would."""
+    c = prepare(stops(1e4, 5000.0, **FREE))
+    _, inside = advance(State(Masses(TRAVEL + 0.01, -5.0, 0.0, 0.0, 0.0)), Inputs(), c, 0.0, 1e-5)
+    assert inside.seat_acceleration == 0.0
+    _, inside = advance(State(Masses(TRAVEL + 0.01, 0.0, 0.0, 0.0, 0.0)), Inputs(), c, 0.0, 1e-5)
+    assert inside.seat_acceleration < 0.0
+    _, inside = advance(State(Masses(-TRAVEL - 0.01, 0.0, 0.0, 0.0, 0.0)), Inputs(), c, 0.0, 1e-5)
+    assert inside.seat_acceleration > 0.0
+
+
+@pytest.mark.parametrize("damping", [0.0, 500.0, 5000.0])
+def test_a_hard_impact_is_accurate_at_2_ms(damping: float):
+    """Against steps of 2 us; measured 1e-5, and 4e-3 where the substep of impact is not divided."""
+    accelerations = []
+    for part in (1, 1000):
+        p = stops(1e6, damping, friction_alpha=0.0)
+        c = prepare(p)
+        state = State(Masses(0.03, 0.6, 0.03, 0.6, 0.0))
+        found = []
+        for k in range(40 * part):
+            state, outputs = advance(state, Inputs(), c, k * H / part, H / part)
+            if (k + 1) % part == 0:
+                found.append(outputs.seat_acceleration)
+        accelerations.append(np.array(found))
+    coarse, fine = accelerations
+    error = np.sqrt(np.mean((coarse - fine) ** 2) / np.mean(fine**2))
+    print(error)
+    assert error < 1e-4
+
+
+def test_end_stops_without_stiffness_are_refused():
+    with pytest.raises(ParameterError, match=r"expected end_stop\.stiffness > 0 where end_stop\.travel > 0, got"):
+        prepare(Parameters(end_stop_travel=0.05))
+    prepare(Parameters(end_stop_stiffness=1e5))
+
+
+def test_stiffer_end_stops_get_shorter_substeps_and_too_stiff_ones_are_refused():
+    assert prepare(stops(1e8)).substep < prepare(stops(1e5)).substep
+    assert prepare(Parameters(end_stop_stiffness=1e8)).substep == prepare(Parameters()).substep
+    with pytest.raises(ParameterError, match="expected a fastest motion below 50000 rad/s, got"):
+        prepare(stops(1e13))

@@ -1,0 +1,265 @@
+"""The command line: results where they belong, exit codes, one line for each mistake."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cosim import Result, System
+from seat_controller_fmu.design.gains import preset
+from tests.helpers.files import read_csv
+from tests.helpers.shell import Shell
+
+
+def test_reproduce_bump_writes_results_figures_and_table(shell: Shell, tmp_path: Path):
+    code, out, err = shell("reproduce", "bump")
+    assert (code, err) == (0, "")
+    for case in ("uncontrolled", "observer1", "observer2"):
+        table = read_csv(tmp_path / "results" / "bump" / case / "result.csv")
+        assert len(table["time"]) == 1501
+    names = sorted(path.name for path in (tmp_path / "results" / "bump").glob("*.png"))
+    assert names == ["fig05_driver_acceleration.png", "fig06_observers.png", "fig07_force.png"]
+    for number in ("3.21", "1.39", "1.24", "431.49", "837.96", "203.81", "597.95", "250.00", "75.33"):
+        assert number in out
+    assert "about 4" in out
+
+
+def test_reproduction_is_reproducible(shell: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    contents = []
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        monkeypatch.chdir(tmp_path / folder)
+        assert shell("reproduce", "bump")[0] == 0
+        files = sorted(path for path in (tmp_path / folder).rglob("*") if path.is_file())
+        contents.append([path.read_bytes() for path in files])
+    assert len(contents[0]) == 9
+    assert contents[0] == contents[1]
+
+
+def test_run_takes_its_options_in_the_order_of_the_contract(shell: Shell, tmp_path: Path):
+    code, out, _ = shell(
+        "run",
+        "sine",
+        "--driver-mass",
+        "70",
+        "--observer",
+        "2",
+        "--set",
+        "controller.driver_mass=60",
+        "--stop-time",
+        "0.1",
+    )
+    assert code == 0
+    assert "51 rows" in out
+    folder = tmp_path / "results" / "run" / "sine"
+    assert {path.name for path in folder.iterdir()} == {"result.csv", "run.json", "overview.png"}
+    assert shell("run", "sine", "--control", "off", "--stop-time", "0.1", "--output", "off")[0] == 0
+    assert not read_csv(tmp_path / "off" / "result.csv")["controller.force"].any()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["run", "bump", "--step-size", "0"], "step size: expected a finite number of seconds above 0, got 0.0"),
+        (["run", "bump", "--stop-time", "-1"], "stop time: expected a finite number of seconds above 0, got -1.0"),
+        (["run", "bump", "--set", "seat.driver_mass=nan"], "seat.driver_mass: expected a finite number, got nan"),
+        (["run", "bump", "--driver-mass", "-5"], "seat.driver_mass: expected a value in [1e-09, inf] kg, got -5.0"),
+        (["run", "bump", "--set", "seat.drivr_mass=5"], "did you mean driver_mass"),
+        (
+            ["run", "bump", "--set", "sead.driver_mass=5"],
+            "expected a component among shaker, seat, controller, got sead",
+        ),
+        (["run", "bump", "--set", "nonsense"], "--set nonsense: expected COMPONENT.VARIABLE=VALUE"),
+        (["run", "bump", "--record-every", "0"], "0 is not in the range x>=1"),
+        (["run", "bump", "--format", "xlsx"], "'xlsx' is not one of 'csv', 'parquet', 'mdf4'"),
+        (["run", "bump", "--observer", "3"], "'3' is not one of '1', '2'"),
+        (["run", "jump"], "'jump' is not one of"),
+        (["run"], "Missing argument"),
+        (["jump"], "No such command 'jump'"),
+        (["build", "--platforms", "vax"], "--platforms vax: expected all or names of x86_64-linux, aarch64-linux"),
+        (["run", "bump", "--output", "/proc/nowhere"], "/proc/nowhere: expected a folder to write to, got"),
+    ],
+)
+def test_wrong_use_is_one_line_and_exit_code_2(shell: Shell, tmp_path: Path, words: list[str], said: str):
+    code, out, err = shell(*words)
+    assert code == 2
+    assert out == ""
+    assert err.startswith("seat-cosim: error: ")
+    assert said in err
+    assert err.count("\n") == 1
+    assert not list(tmp_path.rglob("result*"))
+
+
+def test_run_takes_gains_by_name_and_by_file(shell: Shell, tmp_path: Path):
+    results = {}
+    (tmp_path / "mine.json").write_text(preset("recommended").to_json())
+    for name in ("published", "recommended", "mine.json"):
+        assert shell("run", "bump", "--gains", name, "--stop-time", "0.4", "--output", f"of-{name}")[0] == 0
+        results[name] = (tmp_path / f"of-{name}" / "result.csv").read_bytes()
+    assert shell("run", "bump", "--stop-time", "0.4", "--output", "default")[0] == 0
+    assert (tmp_path / "default" / "result.csv").read_bytes() == results["published"]
+    assert results["recommended"] == results["mine.json"] != results["published"]
+
+
+def test_observer_wins_over_the_gains(shell: Shell, tmp_path: Path):
+    for gains in ("published", "recommended"):
+        words = ("--gains", gains, "--set", "controller.K1.rate=-90", "--stop-time", "0.1", "--output", gains)
+        assert shell("run", "bump", "--observer", "2", *words)[0] == 0
+    tables = [read_csv(tmp_path / gains / "result.csv") for gains in ("published", "recommended")]
+    # both observers are made of Gamma_2 now: the same first estimate but for the mass range
+    first = [table["controller.disturbance_estimate"][1] for table in tables]
+    assert first[0] == pytest.approx(first[1], rel=0.05)
+    assert abs(first[0]) > 5.0
+
+
+def test_design_certifies_a_preset(shell: Shell):
+    code, out, err = shell("design", "--gains", "published")
+    assert (code, err) == (0, "")
+    assert "4573.00" in out
+    assert "0.0231" in out
+    assert "0.0230" in out
+
+
+def test_design_writes_gains_that_run_and_certify(shell: Shell, tmp_path: Path):
+    words = ("--driver-mass-max", "120", "--observer-gains", "-4000", "-3500", "--no-pareto", "--output", "made")
+    assert shell("design", *words)[0] == 0
+    names = {path.name for path in (tmp_path / "made").iterdir()}
+    assert names == {"gains.json", "gains.ssv", "transmissibility.png", "delay_margin.png"}
+    assert shell("design", "--gains", "made/gains.json")[0] == 0
+    assert shell("run", "bump", "--gains", "made/gains.json", "--stop-time", "0.1")[0] == 0
+
+
+def test_gains_that_fail_the_certificate_are_told_with_exit_code_1(shell: Shell, tmp_path: Path):
+    wrong = json.loads(preset("published").to_json()) | {"K1": [4573.0, 90.0], "Q": None}
+    (tmp_path / "wrong.json").write_text(json.dumps(wrong))
+    code, out, err = shell("design", "--gains", "wrong.json")
+    assert code == 1
+    assert "Certificate" in out
+    assert "Xi_11: expected negative definite at lambda = 1.2" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--lambda", "0.01"], "expected lambda above alpha = 0.02, got 0.01"),
+        (["--driver-mass-min", "120", "--driver-mass-max", "45"], "expected driver_mass_min < driver_mass_max"),
+        (["--observer-gamma", "1e-6"], "expected an observer constant Gamma below 0 (a stable observer), got 1e-06"),
+        (["--observer-rate", "30"], "expected an observer gain below 0"),
+        (["--observer-rate", "-30", "--observer-gamma", "-1e-6"], "expected one of --observer-gamma"),
+        (["--gains", "best"], "gains: expected one of published"),
+    ],
+)
+def test_impossible_designs_are_one_line_and_exit_code_2(shell: Shell, words: list[str], said: str):
+    code, _, err = shell("design", *words)
+    assert code == 2
+    assert said in err
+    assert err.count("\n") == 1
+
+
+def test_missing_fmus_are_told_with_the_remedy(shell: Shell):
+    code, _, err = shell("run", "bump", "--fmus", "nowhere", fmus=False)
+    assert code == 2
+    assert "expected Shaker.fmu, SeatPlant.fmu, SeatController.fmu, got no such file; run: seat-cosim build" in err
+
+
+def test_a_wrong_fmu_is_told(shell: Shell, tmp_path: Path):
+    folder = tmp_path / "wrong" / "fmi2"
+    folder.mkdir(parents=True)
+    for name in ("Shaker", "SeatPlant", "SeatController"):
+        (folder / f"{name}.fmu").write_text("not a zip")
+    code, _, err = shell("run", "bump", "--fmus", "wrong", fmus=False)
+    assert code == 2
+    assert "Shaker.fmu: expected an FMU" in err
+
+
+def test_a_failing_run_is_exit_code_1_and_leaves_a_partial_result(shell: Shell, fmus: Path, tmp_path: Path):
+    assert shell("run", "bump", "--stop-time", "0.1", "--output", "here")[0] == 0
+    words = ("run", "bump", "--flavour", "python", "--set", "controller.driver_mass_min=100", "--output", "here")
+    code, out, err = shell(*words)
+    assert code == 1
+    assert out == ""
+    assert err.startswith("seat-cosim: error: controller: fmi2DoStep failed at t = 0 s (discard)")
+    assert "expected driver_mass_min < driver_mass_max, got 100.0 kg and 80.0 kg" in err
+    assert err.count("\n") == 1
+    assert "(no rows of 3 s in here/result.partial.csv)" in err
+    assert [path.name for path in (tmp_path / "here").glob("result*")] == ["result.partial.csv"]
+    told = json.loads((tmp_path / "here" / "run.json").read_text())
+    assert (told["complete"], told["rows"]) == (False, 0)
+    assert told["error"].startswith("controller: fmi2DoStep failed at t = 0 s (discard)")
+
+
+def test_a_run_that_cannot_begin_is_exit_code_1(shell: Shell, tmp_path: Path):
+    code, out, err = shell("run", "bump", "--set", "controller.driver_mass_min=100", "--output", "here")
+    assert code == 1
+    assert out == ""
+    assert err.startswith("seat-cosim: error: controller: fmi2ExitInitializationMode failed at t = 0 s (error)")
+    assert "driver_mass_max; got driver_mass_min = 100 kg, driver_mass_max = 80 kg" in err
+    assert err.count("\n") == 1
+    assert [path.name for path in (tmp_path / "here").iterdir()] == ["run.json"]
+    told = json.loads((tmp_path / "here" / "run.json").read_text())
+    assert not told["complete"]
+    assert told["error"] in err
+
+
+def test_a_refused_run_leaves_an_earlier_result_alone(shell: Shell, tmp_path: Path):
+    assert shell("run", "bump", "--stop-time", "0.1", "--output", "here")[0] == 0
+    before = (tmp_path / "here" / "result.csv").read_bytes()
+    assert shell("run", "bump", "--step-size", "0", "--output", "here")[0] == 2
+    assert (tmp_path / "here" / "result.csv").read_bytes() == before
+
+
+def test_debug_shows_the_traceback_and_nothing_else_does(shell: Shell):
+    assert "Traceback" in shell("run", "bump", "--step-size", "0", "--debug")[2]
+    assert "Traceback" not in shell("run", "bump", "--step-size", "0")[2]
+
+
+def test_build_says_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
+    code, out, _ = shell("build", "--flavour", "fmi2", "--flavour", "fmi3", "--output", "here")
+    assert code == 0
+    assert len(re.findall(r"(fmu|ssp) .* built", out)) == 6 + 2
+    assert "stepper" in out
+    assert (tmp_path / "here" / "fmi3" / "SeatController.fmu").exists()
+    for name in ("SeatSuspension.ssp", "SeatSuspension-fmi3.ssp"):
+        assert System.load(tmp_path / "here" / name).order == ("controller", "seat", "shaker")
+    out = shell("build", "--flavour", "fmi3", "--output", "here")[1]
+    assert out.count("up to date") == 3 + 1 + 1
+    assert "SeatSuspension.ssp" not in out
+
+
+def test_fmus_of_a_wheel_are_exported(shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from fmus.export import fmu_file as archive
+
+    monkeypatch.setattr(archive, "CARRIED", tmp_path / "none")
+    code, _, err = shell("fmus", "--export", "out")
+    assert code == 2
+    assert "expected the FMUs of a wheel, got none; build them: seat-cosim build" in err
+    monkeypatch.setattr(archive, "CARRIED", native)
+    code, out, _ = shell("fmus", "--export", "out")
+    assert code == 0
+    assert str(Path("out", "fmi3", "Shaker.fmu")) in out
+    exported = tmp_path / "out" / "fmi2" / "SeatPlant.fmu"
+    assert exported.read_bytes() == (native / "fmi2" / "SeatPlant.fmu").read_bytes()
+    assert exported.with_name("SeatPlant_ref.csv").exists()
+
+
+def test_run_writes_the_formats_asked_for_and_every_nth_row(shell: Shell, tmp_path: Path):
+    words = ("run", "bump", "--stop-time", "0.1", "--output", "here", "--record-every", "20")
+    assert shell(*words, "--format", "mdf4", "--format", "parquet", "--format", "csv")[0] == 0
+    results = [Result.read(tmp_path / "here" / f"result{suffix}") for suffix in (".csv", ".mf4", ".parquet")]
+    assert list(results[0].time) == [0.0, 0.04, 0.08, 0.1]
+    assert all(np.array_equal(result.rows, results[0].rows) for result in results)
+    assert results[1].units["controller.force"] == results[2].units["controller.force"] == "N"
+    assert shell(*words)[0] == 0
+    assert not (tmp_path / "here" / "result.mf4").exists()
+
+
+@pytest.mark.parametrize("command", [[], ["build"], ["fmus"], ["run"], ["reproduce"], ["rerun"], ["design"]])
+def test_help_has_an_example(shell: Shell, command: list[str]):
+    code, out, _ = shell(*command, "--help", fmus=False)
+    assert code == 0
+    assert "Example" in out
+    assert "seat-cosim " in out.split("Example")[1]

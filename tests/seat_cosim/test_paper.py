@@ -1,0 +1,259 @@
+"""The reproduction of the paper: its numbers, and a report that anybody can open."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from html import escape
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plant_models.parameter_sets import NAMES
+from seat_cosim.cli.options import parameter_sets
+from seat_cosim.cli.seat_options import gains_of
+from seat_cosim.paper import report
+from seat_cosim.paper.contents import CONTENTS
+from seat_cosim.paper.experiments import findings
+from seat_cosim.paper.finding import Finding, Kind, Row
+from seat_cosim.paper.published import BUMP_PEAKS, REDUCTIONS, RMS
+from seat_cosim.paper.runner import Calibration, Lab
+from seat_cosim.scenarios import seat_suspension
+from tests.helpers.files import read_csv
+from tests.helpers.paths import ROOT
+from tests.helpers.shell import Shell
+
+FIGURES = [entry for entry in CONTENTS if not entry.key.startswith("table")]
+GAMMAS = {1: -3e-6, 2: -1e-6}
+DESIGN = {"alpha": 0.02, "P_2": 400.0, "lambda": 1.2}
+
+
+@pytest.fixture(scope="module")
+def found(native: Path) -> dict[str, Finding]:
+    system = seat_suspension(native / "fmi2")
+    sets = {name: parameter_sets([name], system) for name in NAMES}
+    with system.open() as session:
+        lab = Lab(system, session, Calibration(**sets), gains_of("recommended"), GAMMAS, DESIGN)
+        return {finding.key: finding for finding in findings(lab)}
+
+
+@pytest.fixture(scope="module")
+def folder(found: dict[str, Finding], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    target = tmp_path_factory.mktemp("report")
+    report.write(target, list(found.values()))
+    return target
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> str:
+    return (folder / "index.html").read_text(encoding="utf-8")
+
+
+def row(finding: Finding, quantity: str) -> Row:
+    (only,) = (each for each in finding.rows if each.quantity == quantity)
+    return only
+
+
+def value(finding: Finding, quantity: str) -> float:
+    (only,) = row(finding, quantity).values
+    return only
+
+
+@pytest.mark.parametrize(
+    ("key", "quantity", "expected", "within"),
+    [
+        ("fig05", "Uncontrolled, peak", 3.21, 0.005),
+        ("fig05", "Observer 1, peak", 1.39, 0.005),
+        ("fig05", "Observer 2, peak", 1.24, 0.005),
+        ("fig06", "Observer 1, peak estimate", 204.0, 0.5),
+        ("fig06", "Observer 2, peak estimate", 598.0, 0.5),
+        ("fig07", "Observer 1, peak force", 250.0, 0.0),
+        ("fig07", "Observer 2, peak force", 250.0, 0.0),
+        ("fig07", "Observer 1, peak demand", 432.0, 1.0),
+        ("fig07", "Observer 2, peak demand", 838.0, 1.0),
+        # alpha sqrt(A / (gamma + beta)) of the published parameters
+        ("fig18", "Plateau, 5 mm", 75.33, 0.005),
+        ("fig18", "Plateau, 10 mm", 75.33, 0.005),
+    ],
+)
+def test_the_ideal_simulation_gives_what_the_equations_give(
+    found: dict[str, Finding], key: str, quantity: str, expected: float, within: float
+):
+    assert value(found[key], quantity) == pytest.approx(expected, abs=within)
+    assert row(found[key], quantity).kind is Kind.SIMULATED
+
+
+def test_observer_2_follows_better_and_fades_sooner(found: dict[str, Finding]):
+    after = [value(found["fig05"], f"Observer {number}, RMS after the bump") for number in (1, 2)]
+    assert after[1] < 0.5 * after[0]
+    errors = [each.values[0] for each in found["fig06"].rows if "RMS error" in each.quantity]
+    assert errors[1] < 0.5 * errors[0]
+
+
+def test_transmissibility_with_observer_1_is_around_0_4_and_below_1(found: dict[str, Finding]):
+    low, high = row(found["fig08"], "Observer 1, 1 to 2.5 Hz, ratio of RMS values").values
+    assert (low, high) == (pytest.approx(0.37, abs=0.01), pytest.approx(0.52, abs=0.01))
+    assert value(found["fig08"], "Observer 1, 1 to 4.5 Hz, largest ratio of RMS values") < 0.7
+    fundamental = row(found["fig08"], "Observer 1, 1 to 2.5 Hz, fundamental alone").values
+    assert max(fundamental) < 0.4  # less than all that comes through, which friction spreads over harmonics
+    assert value(found["fig10"], "Controlled, 1 to 4.5 Hz, largest ratio") < 1.0
+
+
+def test_passive_against_uncontrolled_is_as_the_paper_has_it(found: dict[str, Finding]):
+    assert value(found["fig10"], "Passive, highest") > value(found["fig10"], "Uncontrolled, highest")
+    better, worse = row(found["fig10"], "Passive less uncontrolled, 2.5 to 4.5 Hz").values
+    assert better < -0.2
+    assert worse < 0.1  # beyond 4 Hz
+    assert value(found["fig10"], "Controlled, better than the passive seat up to") >= 4.5
+
+
+def test_what_was_fitted_fits(found: dict[str, Finding]):
+    for name, printed in RMS[55.0].items():
+        # the fitted parameters are kept with three digits
+        assert value(found["table2"], f"55 kg, {name}") == pytest.approx(printed, rel=0.005)
+    reduction = row(found["table2"], "55 kg, controlled against passive")
+    assert reduction.kind is Kind.FITTED
+    assert reduction.values[0] == pytest.approx(-REDUCTIONS[55.0], abs=0.3)
+
+
+def test_the_ideal_simulation_reaches_the_papers_reductions(found: dict[str, Finding]):
+    for mass, printed in REDUCTIONS.items():
+        assert value(found["table2"], f"{mass:g} kg, controlled against passive, ideal prototype") < -printed
+
+
+def test_70_kg_and_the_bumps_are_predicted_and_say_so(found: dict[str, Finding]):
+    heavy = [each for each in found["table2"].rows if each.quantity.startswith("70 kg")]
+    bumps = [*found["fig11"].rows, *found["fig12"].rows]
+    assert {each.kind for each in (*heavy, *bumps)} == {Kind.PREDICTED}
+    assert value(found["table2"], "70 kg, controlled against passive") == pytest.approx(-44.4, abs=0.5)
+    for key, mass in (("fig11", 55.0), ("fig12", 70.0)):
+        assert row(found[key], "Passive, peak").paper == f"{BUMP_PEAKS[mass]['passive']:.2f}"
+        assert value(found[key], "Ideal, peak") < value(found[key], "Controlled, peak")
+    falls = [value(found[key], "Controlled against passive") for key in ("fig11", "fig12")]
+    assert falls == [pytest.approx(-28.9, abs=0.5), pytest.approx(-37.0, abs=0.5)]
+
+
+def test_anti_windup_halves_what_is_left_of_the_bump(found: dict[str, Finding]):
+    for mass, published in ((55, 1.39), (70, 1.17)):
+        assert value(found["beyond"], f"Observer 1, {mass} kg, peak") == pytest.approx(published, abs=0.005)
+        for what in ("with anti-windup", "recommended gains, anti-windup"):
+            assert value(found["beyond"], f"{what}, {mass} kg, peak") < 0.7 * published
+
+
+def test_friction_turns_within_a_tenth_of_a_millimetre_at_any_amplitude(found: dict[str, Finding]):
+    (turned,) = (each for each in found["fig19"].rows)
+    assert turned.values[0] == pytest.approx(turned.values[1], rel=0.01)
+    assert 0.05 < turned.values[0] < 0.1
+
+
+def test_every_difference_has_its_sentence(found: dict[str, Finding]):
+    for finding in found.values():
+        for each in finding.rows:
+            if each.paper and each.paper != each.ours:
+                assert each.remark.endswith("."), f"{finding.key}: {each.quantity}"
+
+
+def test_table_1_has_the_start_values_and_marks_the_misprint(found: dict[str, Finding]):
+    differing = [each.quantity for each in found["table1"].rows if each.paper != each.ours]
+    assert differing == ["Largest driver mass m_bmax"]
+
+
+def test_the_document_shows_what_is_found(found: dict[str, Finding]):
+    text = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    for _, rows in report.summary(list(found.values())):
+        for entry, each in rows:
+            unit = "" if each.unit == "1" else f" {each.unit}"
+            assert f"| {entry.number} | {each.quantity} |{unit} | {each.paper} | {each.ours} |\n" in text
+
+
+def test_the_report_has_all_figures_and_tables(page: str, folder: Path):
+    for entry in CONTENTS:
+        assert f'<section id="{entry.key}">' in page
+        assert f"{entry.number}: {entry.title}" in page
+        assert (folder / f"{entry.key}.csv").is_file()
+    for number in ("3.21", "1.39", "1.24", "204", "598", "75.3", "1.061", "1.067", "0.578", "2.02", "1.03"):
+        assert number in page
+    for entry in FIGURES:
+        assert (folder / f"{entry.key}.png").read_bytes().startswith(b"\x89PNG")
+        assert (folder / f"{entry.key}.svg").read_text(encoding="utf-8").startswith("<?xml")
+    assert len(list(folder.iterdir())) == 1 + len(CONTENTS) + 2 * len(FIGURES)
+
+
+def test_the_page_needs_nothing_from_elsewhere(page: str):
+    assert not re.findall(r"https?:|<script|<link|@import|url\(", page)
+    assert len(re.findall(r'<img src="data:image/svg\+xml;base64,', page)) == len(FIGURES) == page.count("<img")
+
+
+def test_csv_files_hold_what_is_drawn(folder: Path, found: dict[str, Finding]):
+    table = read_csv(folder / "fig05.csv")
+    name = "Driver acceleration (m/s²), Uncontrolled"
+    assert list(table)[:2] == ["Time (s)", name]
+    assert np.array_equal(table[name], found["fig05"].panels[0].curves[0].values)
+    for entry in FIGURES:
+        curves = sum(len(panel.curves) for panel in found[entry.key].panels)
+        drawn = [column for column in read_csv(folder / f"{entry.key}.csv") if ", " in column]
+        assert len(drawn) >= min(curves, 2)
+
+
+def test_reproduce_without_a_word_makes_the_report_of_the_same_bytes(shell: Shell, folder: Path, tmp_path: Path):
+    code, out, err = shell("reproduce")
+    assert (code, err) == (0, "")
+    made = tmp_path / "results" / "report"
+    assert [path.name for path in made.iterdir() if path.read_bytes() != (folder / path.name).read_bytes()] == []
+    assert len(list(made.iterdir())) == len(list(folder.iterdir()))
+    for words in ("fitted", "predicted", "simulated", "0.37 to 0.52", "3.21", "page results/report/index.html"):
+        assert words in out
+
+
+def test_a_driver_is_refused_where_the_paper_has_its_own(shell: Shell, tmp_path: Path):
+    code, _, err = shell("reproduce", "--driver-mass", "80")
+    assert code == 2
+    assert err == (
+        "seat-cosim: error: --driver-mass 80: expected with bump only; the paper's drivers weigh 55 and 70 kg\n"
+    )
+    assert not list(tmp_path.rglob("results"))
+
+
+# ---- in a browser ----------------------------------------------------------------------------------------------------
+
+CHROMIUM = shutil.which("chromium")
+PROBE = """<script>
+let failed = 0;
+window.addEventListener("error", () => { failed += 1; }, true);
+window.addEventListener("load", () => {
+  const pictures = [...document.images].filter((image) => image.naturalWidth > 0 && image.clientWidth > 100);
+  const wide = document.documentElement.scrollWidth;
+  const shown = document.documentElement.clientWidth;
+  parent.document.title = `wide ${wide} of ${shown}, pictures ${pictures.length}, failed ${failed}`;
+});
+</script>"""
+
+
+def look(page: str, width: int, folder: Path) -> tuple[int, int, int, int]:
+    """Show a page in a frame, as a browser's own window does not get as narrow as a phone; returns what is found."""
+    inside = page.replace("<head>", f"<head>{PROBE}", 1)
+    frame = f'<iframe style="border: 0" width="{width}" height="800" srcdoc="{escape(inside)}"></iframe>'
+    (folder / "frame.html").write_text(f"<!doctype html><meta charset=utf-8><title></title>{frame}", encoding="utf-8")
+    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"]
+    command += ["--disable-background-networking", "--disable-component-update", f"--user-data-dir={folder / 'user'}"]
+    command += ["--hide-scrollbars", "--window-size=1400,1000", "--dump-dom", (folder / "frame.html").as_uri()]
+    shown = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
+    title = re.search(r"<title>(.*?)</title>", shown)[1]
+    wide, window, pictures, failed = map(int, re.findall(r"\d+", title))
+    return wide, window, pictures, failed
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@pytest.mark.parametrize("width", [390, 1280])
+def test_a_browser_shows_all_figures_and_nothing_sticks_out(page: str, width: int, tmp_path: Path):
+    assert look(page, width, tmp_path) == (width, width, len(FIGURES), 0)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_the_look_sees_what_sticks_out_and_what_is_not_shown(page: str, tmp_path: Path):
+    spoiled = page.replace("</h1>", '</h1><p style="width: 450px">wide</p>', 1).replace("base64,", "base64,!", 1)
+    wide, window, pictures, failed = look(spoiled, 390, tmp_path)
+    assert wide > window
+    assert (pictures, failed) == (len(FIGURES) - 1, 1)

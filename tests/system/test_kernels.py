@@ -1,0 +1,312 @@
+"""The C kernels against their Python twins, and what a kernel may and may not do."""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fmus.component import Component, ParameterError, numbers_of, state_fields, state_of
+from fmus.export.native_fmu import STANDARDS, source_files
+from fmus.export.sources import kernel_files
+from fmus.variables import Variable
+from plant_models.seat.actuator import PLACES
+from seat_cosim.components import COMPONENTS
+from tests.helpers.paths import ROOT
+
+SAMPLES = [("initial", 10_000), ("advance", 20_000), pytest.param("advance", 100_000, marks=pytest.mark.long)]
+RELATIVE = 1e-12
+FLOOR = 1e-15
+"""Differences below this share of a column's largest magnitude do not count: what cancels leaves no digits."""
+
+STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
+KERNELS = sorted(
+    {str(path.relative_to(ROOT)) for c in COMPONENTS for path in kernel_files(c.module) if path.suffix == ".c"}
+)
+INCLUDES = [f"-I{ROOT / folder}" for folder in ("fmus", "plant_models")]
+"""Where headers lie that several models include."""
+
+CONTROLLER = "src/seat_controller_fmu/controller.c"
+
+gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+
+
+def compile_c(folder: Path, *words: str) -> None:
+    run = subprocess.run(["gcc", *words], cwd=folder, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
+# ---- parity ----------------------------------------------------------------------------------------------------------
+
+
+def library(component: Component, folder: Path) -> ctypes.CDLL:
+    for name, content in source_files(component, STANDARDS["fmi2"], "{}").items():
+        (folder / name).write_bytes(content)
+    kernels = [path.name for path in kernel_files(component.module) if path.suffix == ".c"]
+    options = [*STRICT, "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-I."]
+    compile_c(folder, *options, *kernels, str(ROOT / "tests/native/parity.c"), "-o", "parity.so", "-lm")
+    return ctypes.CDLL(str(folder / "parity.so"))
+
+
+def random_values(variable: Variable, count: int, random: np.random.Generator) -> np.ndarray:
+    """Values over a variable's range, its ends and its start included; two decades where it has no range."""
+    low, high = variable.minimum, variable.maximum
+    if variable.variability == "constant":
+        return np.full(count, variable.start)
+    if variable.type is str:
+        return np.zeros(count)
+    if variable.items:
+        chosen = [number for name, number in variable.items.items() if name != "file"]  # see test_recording.py
+        return random.choice(chosen, count).astype(float)
+    if variable.type is int:
+        return random.integers(int(low or 0), int(high or 2**31 - 1), count, endpoint=True).astype(float)
+    if variable.type is bool:
+        return random.integers(0, 2, count).astype(float)
+    if variable.causality == "input":
+        return random.normal(0.0, 3.0 * (variable.nominal or 1.0), count) * (random.random(count) > 0.05)
+    start = float(variable.start or 0.0)
+    values = start * np.exp(random.normal(0.0, 0.5, count)) + (random.normal(0.0, 1.0, count) if not start else 0.0)
+    values = np.clip(values, low, high)
+    ends = [start, *(end for end in (low, high) if end is not None)]
+    return np.where(random.random(count) < 0.9, values, random.choice(ends, count))
+
+
+STATE_SCALES = {
+    "SeatController": {"deflection": 0.02, "rate": 0.5, "demand": 300.0, "force": 200.0, "estimate": 200.0},
+    "SeatPlant": {
+        "masses.seat_displacement": 0.05,
+        "masses.seat_velocity": 0.5,
+        "masses.driver_displacement": 0.05,
+        "masses.driver_velocity": 0.5,
+        "masses.friction": 2e-4,
+        "floor.displacement": 0.05,
+        "floor.velocity": 0.5,
+        "floor.acceleration": 2.0,
+        "floor.age": 2e-3,
+        "floor.interval": 2e-3,
+        "floor.reached": 0.05,
+        "sensed.acceleration": 2.0,
+        "sensed.deflection": 0.02,
+        "actuator.commanded": 100.0,
+        "actuator.target": 100.0,
+        "actuator.force": 100.0,
+    },
+    "Shaker": {"modes": 0.1, "platform_displacement": 0.02, "platform_velocity": 0.3, "platform_acceleration": 1.0},
+}
+
+
+DURATIONS = {"floor.age", "floor.interval"}
+"""States that are never negative."""
+
+
+def delay_lines(times: np.ndarray, random: np.random.Generator) -> list[np.ndarray]:
+    """Length and content of actuators' delay lines: arrivals in ascending order, some due, and forces."""
+    lines = np.zeros((len(times), 1 + 2 * PLACES))
+    for line, time in zip(lines, times, strict=True):
+        length = int(random.choice([0, 1, 3, PLACES - 1, PLACES]))
+        line[0] = 2 * length
+        line[1 : 1 + 2 * length : 2] = time + np.sort(random.choice([0.0, 1e-3, 0.01, 0.2]) * random.random(length))
+        line[2 : 2 + 2 * length : 2] = random.normal(0.0, 100.0, length)
+    return list(lines.T)
+
+
+def random_states(component: Component, times: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """States of all magnitudes, some below the smallest, some 0."""
+    columns = []
+    for field, kind, length, _ in state_fields(component.state):
+        if field == "next_sample":
+            columns.append(np.round(times / 0.002))
+        elif field == "actuator.line":
+            continue
+        elif field == "actuator.line_length":
+            columns += delay_lines(times, random)
+        elif field == "tick":
+            columns.append(np.floor((times + 1e-9) / 0.002))
+        elif kind is bool:
+            columns.append(random.integers(0, 2, len(times)).astype(float))
+        else:
+            for _ in range(length or 1):
+                column = random.normal(0.0, STATE_SCALES[component.name][field], len(times))
+                column = np.abs(column) if field in DURATIONS else column
+                columns.append(column * random.choice([1.0, 1e-8, 1e-33, 0.0], len(times), p=[0.85, 0.05, 0.05, 0.05]))
+    return np.array(columns).T.copy() if columns else np.zeros((len(times), 0))
+
+
+def typed(value: float, kind: Any) -> Any:
+    return int(value) if kind is int else kind(value)
+
+
+def python_twin(
+    component: Component, call: Callable[..., Any], row: np.ndarray, state: np.ndarray, *times: float
+) -> tuple[list[float], list[float]] | None:
+    """State and outputs of the Python model, or None where it refuses."""
+    variables = component.variables
+    values = [v.start if v.type is str else typed(x, v.type) for x, v in zip(row.tolist(), variables, strict=True)]
+    by = {c: [x for x, v in zip(values, variables, strict=True) if v.causality == c] for c in ("input", "parameter")}
+    try:
+        coefficients = component.prepare(component.parameters(*by["parameter"]))
+    except ParameterError:
+        return None
+    arguments: list[Any] = [component.inputs(*by["input"]), coefficients, *times]
+    if call is component.advance:
+        arguments.insert(0, state_of(component.state, state.tolist()))
+    left, outputs = call(*arguments)
+    names = [v.field for v in variables if v.causality == "output"]
+    return numbers_of(left), [float(getattr(outputs, name)) for name in names]
+
+
+def pointer(array: np.ndarray, kind: Any = ctypes.c_double) -> Any:
+    return array.ctypes.data_as(ctypes.POINTER(kind))
+
+
+def largest_difference(found: np.ndarray, expected: np.ndarray) -> float:
+    """Largest relative difference of two tables, column by column, differences below the floor aside."""
+    if not expected.size:
+        return 0.0
+    difference = np.abs(found - expected)
+    difference[difference <= FLOOR * np.abs(expected).max(axis=0)] = 0.0
+    return float((difference / np.maximum(np.abs(expected), 1e-300)).max())
+
+
+@gcc
+@pytest.mark.parametrize(("what", "count"), SAMPLES)
+@pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.name)
+def test_c_and_python_compute_the_same(component: Component, what: str, count: int, tmp_path: Path):
+    random = np.random.default_rng(4)
+    values = np.array([random_values(v, count, random) for v in component.variables]).T.copy()
+    times = 0.002 * random.integers(0, 2000, count) + random.choice([0.0, 1e-10, -1e-10, 7e-4], count)
+    steps = random.choice([1e-5, 2e-4, 5e-4, 2e-3, 1e-2], count, p=[0.2, 0.3, 0.35, 0.1, 0.05])
+    states = random_states(component, times, random)
+    refused = np.zeros(count, dtype=np.uint8)
+    expected = [
+        python_twin(component, getattr(component, what), row, state, *given[: 2 if what == "advance" else 1])
+        for row, state, given in zip(values, states, zip(times.tolist(), steps.tolist(), strict=True), strict=True)
+    ]
+    run = getattr(library(component, tmp_path), f"parity_{what}")
+    refusals = run(
+        ctypes.c_size_t(count),
+        pointer(values),
+        pointer(states),
+        pointer(times),
+        pointer(steps),
+        pointer(refused, ctypes.c_ubyte),
+    )
+    assert (refused == [one is None for one in expected]).all()
+    accepted = refused == 0
+    assert refusals < count / 2
+    outputs = [i for i, v in enumerate(component.variables) if v.causality == "output"]
+    differences = [
+        largest_difference(states[accepted], np.array([one[0] for one in expected if one])),
+        largest_difference(values[accepted][:, outputs], np.array([one[1] for one in expected if one])),
+    ]
+    print(f"{component.name} {what}: {refusals} refused, relative differences {differences} in states and outputs")
+    assert max(differences) < RELATIVE
+
+
+# ---- what a kernel may do --------------------------------------------------------------------------------------------
+
+
+@gcc
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_kernels_compile_without_any_warning(kernel: str, tmp_path: Path):
+    compile_c(tmp_path, *STRICT, "-O2", *INCLUDES, "-c", str(ROOT / kernel))
+
+
+@gcc
+def test_the_controller_stands_alone_in_single_precision_too(tmp_path: Path):
+    for name in ("controller.c", "controller.h"):
+        shutil.copy(ROOT / "src/seat_controller_fmu" / name, tmp_path)
+    options = [*STRICT, "-Wdouble-promotion", "-DSEAT_CONTROLLER_REAL=float", "-O2"]
+    compile_c(tmp_path, *options, "-c", "controller.c", "-o", "single.o")
+    used = subprocess.run(["nm", "-u", "single.o"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert set(re.findall(r"U (\w+)", used)) <= {"sqrtf", "ceil", "_GLOBAL_OFFSET_TABLE_"}
+
+
+@gcc
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_kernels_hold_no_data_and_call_mathematics_only(kernel: str, tmp_path: Path):
+    """Mathematics and one another; those that prepare a recording also memory and files."""
+    compile_c(tmp_path, "-std=c99", "-O2", *INCLUDES, "-c", *(str(ROOT / name) for name in KERNELS))
+    name = Path(kernel).with_suffix(".o").name
+    symbols = subprocess.run(["nm", name], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    objects = [path.name for path in tmp_path.glob("*.o")]
+    defined = subprocess.run(["nm", *objects], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert not re.findall(r" [BbDdCG] (\w+)", symbols), "writable data"
+    known = {"sqrt", "sqrtf", "ceil", "floor", "tan", "atan", "sin", "cos", "sincos", "exp", "expm1", "log", "frexp"}
+    known |= {"memmove", "memset", "memcpy"}
+    if Path(kernel).stem in ("recording", "replay"):
+        known |= {"malloc", "realloc", "free", "fopen", "fclose", "getc", "ferror", "qsort", "strtod"}
+        known |= {"snprintf", "vsnprintf", "strlen", "strchr", "strspn", "memchr", "memcmp", "memcpy", "memset"}
+        known |= {"__stack_chk_fail", "fabs"}
+    own = set(re.findall(r" T (\w+)", defined)) | {"_GLOBAL_OFFSET_TABLE_"}
+    assert set(re.findall(r"U (\w+)", symbols)) <= known | own
+
+
+@gcc
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="counts instructions of x86_64")
+def test_a_sample_in_c_costs_what_it_costs_in_python(tmp_path: Path):
+    """10 multiplications and 10 additions, the square root of (33) aside, counted in the machine code."""
+    kernel = str(ROOT / CONTROLLER)
+    compile_c(tmp_path, "-std=c99", "-O1", "-fno-inline", "-ffp-contract=off", "-c", kernel, "-o", "kernel.o")
+    code = subprocess.run(
+        ["objdump", "-d", "kernel.o"], cwd=tmp_path, capture_output=True, text=True, check=True
+    ).stdout
+    bodies = dict(re.findall(r"<([\w.]+)>:\n(.*?)(?:\n\n|\Z)", code, re.DOTALL))
+    sample = "\n".join(body for name, body in bodies.items() if name.split(".")[0] in ("sample", "held_outputs"))
+    count = {kind: len(re.findall(rf"\b{kind}sd\b", sample)) for kind in ("mul", "div", "add", "sub")}
+    print(count)
+    assert count["mul"] + count["div"] == 10
+    assert count["add"] + count["sub"] == 10
+
+
+@gcc
+def test_single_precision_follows_double_precision(tmp_path: Path):
+    """The observer's loop in float, over 2 s of a sine: measured 0.0003 N of 250 N."""
+    forces = {}
+    for kind in ("double", "float"):
+        source = tmp_path / f"{kind}.c"
+        source.write_text(
+            """
+#include "controller.h"
+#include "defaults.h"
+void run(int count, const double *accelerations, const double *deflections, double *forces)
+{
+    const seat_controller_parameters parameters = {SEAT_CONTROLLER_DEFAULTS(seat_controller_real)};
+    seat_controller_coefficients coefficients;
+    seat_controller_state state;
+    seat_controller_prepare(&parameters, &coefficients);
+    seat_controller_start(&state);
+    for (int k = 0; k < count; ++k) {
+        seat_controller_inputs inputs;
+        seat_controller_outputs outputs;
+        inputs.seat_acceleration = (seat_controller_real)accelerations[k];
+        inputs.suspension_deflection = (seat_controller_real)deflections[k];
+        seat_controller_step(&state, &inputs, &coefficients, &outputs);
+        forces[k] = (double)outputs.force;
+    }
+}
+""",
+            encoding="utf-8",
+        )
+        for name, content in source_files(COMPONENTS[0], STANDARDS["fmi2"], "{}").items():
+            (tmp_path / name).write_bytes(content)
+        options = [f"-DSEAT_CONTROLLER_REAL={kind}", *STRICT, "-O2", "-shared", "-fPIC", "-I."]
+        compile_c(tmp_path, *options, source.name, "controller.c", "-o", f"{kind}.so", "-lm")
+        t = 0.002 * np.arange(1000)
+        accelerations, deflections = np.sin(18.0 * t), 0.02 * np.sin(18.0 * t + 1.0)
+        found = np.zeros(len(t))
+        ctypes.CDLL(str(tmp_path / f"{kind}.so")).run(
+            len(t), pointer(accelerations), pointer(deflections), pointer(found)
+        )
+        forces[kind] = found
+    difference = np.abs(forces["float"] - forces["double"]).max()
+    print(f"largest difference {difference:.2e} N of {np.abs(forces['double']).max():.0f} N")
+    assert difference < 0.0025
