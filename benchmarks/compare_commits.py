@@ -2,8 +2,8 @@
 
 Checks out both commits, installs and builds each in an environment of its own, runs the same commands in both and
 compares what they leave: every CSV and Parquet file byte by byte, text that is printed, and whether the new commit
-reruns each ``run.json`` of the old one, with the old one's FMUs, to the same bytes. A checkout that exists in the folder
-of ``--work`` is used again. Exit code 1 where anything differs.
+reruns each ``run.json`` of the old one, with the old one's FMUs, to the same bytes. A checkout that exists in the
+folder of ``--work`` is used again. Exit code 1 where anything differs.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ RUNS = {
     "file": "run file",
     "passive": "run random --parameters ride --parameters load --control passive",
     "prototype": "run random --parameters ride --parameters load --parameters prototype",
-    "stops": "run bump --set seat.end_stop.travel=0.03 --set seat.end_stop.stiffness=20000 --set seat.end_stop.damping=500",
+    "stops": "run bump --set seat.end_stop.travel=0.03 --set seat.end_stop.stiffness=20000",
     "isolated": "run bump --isolate controller",
     "jacobi": "simulate fmus/SeatSuspension.ssp --algorithm jacobi",
     "mixed": "simulate fmus/SeatSuspension.ssp --replace seat=fmus/fmi3/SeatPlant.fmu",

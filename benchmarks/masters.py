@@ -28,8 +28,8 @@ from rich.table import Table
 
 from cosim import Result
 from cosim.engine.session import Session
-from cosim.engine.structure import Port
-from cosim.fmi.description import Model
+from cosim.engine.structure import VariableRef
+from cosim.fmi.description import ModelDescription
 from fmus.export.native_fmu import OPTIONS
 from seat_cosim.scenarios import OVERVIEW, seat_suspension
 
@@ -64,7 +64,7 @@ print(1e6 * (perf_counter() - begin) / steps, file=sys.stderr)
 """Runs in a Python that has libcosimpy; prints us per step, not to where libcosim logs."""
 
 
-def header(models: dict[str, Model], libraries: dict[str, Path], wiring: dict[str, list[str]]) -> str:
+def header(models: dict[str, ModelDescription], libraries: dict[str, Path], wiring: dict[str, list[str]]) -> str:
     """Write what the C program has to know of the FMUs."""
     lines = [f"enum {{ STEPS = {STEPS} }};", f"static const double STEP_SIZE = {H!r};"]
     for name, model in models.items():
@@ -124,19 +124,19 @@ class Plain:
 
     def run(self) -> None:
         """Step from 0 to the stop time."""
-        wanted = {*self._connections.values(), *map(Port.parse, SIGNALS)}
+        wanted = {*self._connections.values(), *map(VariableRef.parse, SIGNALS)}
         inputs = {name: [p for p in self._connections if p.component == name] for name in self._fmus}
         outputs = {name: sorted(p for p in wanted if p.component == name) for name in self._fmus}
         to_set = {name: [self._references[name][p.variable] for p in ports] for name, ports in inputs.items()}
         to_get = {name: [self._references[name][p.variable] for p in ports] for name, ports in outputs.items()}
-        values: dict[Port, float] = {}
+        values: dict[VariableRef, float] = {}
         for name, fmu in self._fmus.items():
             fmu.reset()
             fmu.setupExperiment(startTime=0.0)
             fmu.enterInitializationMode()
             fmu.exitInitializationMode()
             values.update(zip(outputs[name], fmu.getReal(to_get[name]), strict=True))
-        signals = [Port.parse(name) for name in SIGNALS]
+        signals = [VariableRef.parse(name) for name in SIGNALS]
         rows = []
         for k in range(STEPS):
             time = k * H

@@ -13,7 +13,7 @@ from typing import Literal
 from cosim.engine.structure import Algorithm, Structure
 from cosim.errors import SetupError
 from cosim.fmi.archive import is_file
-from cosim.fmi.description import KINDS, Model, Value
+from cosim.fmi.description import KINDS, ModelDescription, Value
 from cosim.fmi.isolated import TIME_LIMIT
 from cosim.json_data import dump, load
 from cosim.results.formats import FORMATS, FileSink
@@ -247,15 +247,15 @@ class Manifest:
         system.stop_time, system.step_size = self.stop_time, self.step_size
         return system
 
-    def _models(self) -> dict[str, Model]:
+    def _models(self) -> dict[str, ModelDescription]:
         """Read the FMUs, if they are those of the run."""
-        models: dict[str, Model] = {}
+        models: dict[str, ModelDescription] = {}
         problems: list[str] = []
         for name, component in self.components.items():
             path = Path(component.fmu)
             where = "" if path.is_absolute() or is_file(path) else f" in {Path.cwd()}, where its path starts"
             try:
-                model = models[name] = Model.read(path, component.member)
+                model = models[name] = ModelDescription.read(path, component.member)
             except SetupError as error:
                 problems += [f"{name}: {problem}{where}" for problem in error.problems]
                 continue
@@ -273,7 +273,7 @@ def sha256(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def _hash(model: Model) -> str:
+def _hash(model: ModelDescription) -> str:
     return hashlib.sha256(model.content()).hexdigest()
 
 
@@ -301,7 +301,7 @@ def _parameters(system: Structure, parameters: Mapping[str, Value]) -> dict[str,
     return dict(sorted(found.items()))
 
 
-def _shown(model: Model, name: str, value: float | str) -> bool | int | float | str:
+def _shown(model: ModelDescription, name: str, value: float | str) -> bool | int | float | str:
     """Show what an FMU takes for a variable as its type means it."""
     variable = model.variables[name]
     kind = KINDS[variable.type]

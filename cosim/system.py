@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Self, Unpack
 
 from cosim.engine.editing import edit, parse_source
-from cosim.engine.schedule import rates
+from cosim.engine.schedule import decimations
 from cosim.engine.session import Options, Session, check_choices, check_isolation
 from cosim.engine.structure import Algorithm, Structure
 from cosim.errors import SetupError, reading, writing_to
 from cosim.fmi.archive import write_archive
 from cosim.fmi.description import Value
 from cosim.fmi.isolated import TIME_LIMIT
-from cosim.results.result import LoopName, Result
+from cosim.results.result import Result, StepperName
 from cosim.ssp import load, package_contents
 
 
@@ -76,7 +76,7 @@ class System(Structure):
         record: Iterable[str] | None = None,
         algorithm: Algorithm | None = None,
         record_every: int = 1,
-        loop: LoopName | None = None,
+        loop: StepperName | None = None,
         isolate: Iterable[str] = (),
         time_limit: float = TIME_LIMIT,
     ) -> None:
@@ -89,7 +89,7 @@ class System(Structure):
         """
         problems: list[str] = []
         for check in (
-            lambda: rates(self.component_steps, list(self.models), self.clock(stop_time, step_size)),
+            lambda: decimations(self.component_steps, list(self.models), self.clock(stop_time, step_size)),
             lambda: self.check(parameters or {}),
             lambda: self.recorded(record),
             lambda: check_choices(algorithm, record_every, loop),

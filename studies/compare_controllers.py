@@ -22,7 +22,7 @@ from seat_controller_fmu.parameters import OBSERVERS
 from seat_cosim.cli.options import parameter_sets
 from seat_cosim.evaluation.evaluation import Cell, Evaluation, Protocol, evaluate, measure
 from seat_cosim.evaluation.seat import passive_seat, ports
-from seat_cosim.evaluation.system import Subject
+from seat_cosim.evaluation.system import EvaluatedSystem
 from seat_cosim.heat_map import HeatMap, draw_heat_maps
 from seat_cosim.scenarios import control, observer, seat_suspension
 from studies.tune_baselines import BASELINES, DELAY, ROOT, build
@@ -32,7 +32,7 @@ DELAYS = (0.0, 0.005, 0.010, 0.015, 0.020, 0.030, 0.040)
 """s"""
 
 
-def subjects(folder: Path) -> list[Subject]:
+def subjects(folder: Path) -> list[EvaluatedSystem]:
     """Name the seats: passive, uncontrolled, the paper's controller three times, and what is in its place."""
     recommended: dict[str, Value] = {f"controller.{k}": v for k, v in load("recommended").parameters().items()}
     ours = {
@@ -45,15 +45,15 @@ def subjects(folder: Path) -> list[Subject]:
     for title, parameters in ours.items():
         system = seat_suspension(ROOT / "fmus" / "fmi2")
         system.parameters |= parameters
-        found.append(Subject(title, system, ports()))
+        found.append(EvaluatedSystem(title, system, ports()))
     for title in BASELINES:
         system = seat_suspension(ROOT / "fmus" / "fmi2")
         system.replace("controller", folder / f"{title}.fmu")
-        found.append(Subject(title, system, ports()))
+        found.append(EvaluatedSystem(title, system, ports()))
     return found
 
 
-def late(subject: Subject) -> Subject:
+def late(subject: EvaluatedSystem) -> EvaluatedSystem:
     """Give a seat an actuator that is late."""
     system = seat_suspension(ROOT / "fmus" / "fmi2")
     system.__dict__.update(vars(subject.system))
@@ -113,7 +113,7 @@ def main() -> None:
     draw_heat_maps([folder / "controllers.svg"], maps)
 
 
-def with_delay(subject: Subject) -> list[str]:
+def with_delay(subject: EvaluatedSystem) -> list[str]:
     """Write the SEAT of a driver of 80 kg on EM3 over delays of the actuator: one run of a minute each."""
     found = []
     with subject.system.open() as session:

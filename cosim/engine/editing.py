@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from cosim.engine.structure import Port, Structure
+from cosim.engine.structure import Structure, VariableRef
 from cosim.engine.unconnected_inputs import derivable
 from cosim.errors import SetupError, did_you_mean
 from cosim.units import Linear
@@ -63,8 +63,8 @@ def edit(
         for sink in disconnect:
             structure.disconnect(sink)
         for source, transformation, sink in connect:
-            feed = structure.connections.get(Port.parse(sink))
-            if feed is not None and {feed.source.component, Port.parse(sink).component} & set(replace):
+            feed = structure.connections.get(VariableRef.parse(sink))
+            if feed is not None and {feed.source.component, VariableRef.parse(sink).component} & set(replace):
                 structure.disconnect(sink)
             structure.connect(source, sink, transformation)
         problems = [_open(structure, sink, replace) for sink in _unfed(structure, lost)]
@@ -84,7 +84,7 @@ def _all_or_nothing(structure: Structure) -> Iterator[None]:
         raise
 
 
-def _unfed(structure: Structure, lost: Iterable[Port]) -> Iterator[Port]:
+def _unfed(structure: Structure, lost: Iterable[VariableRef]) -> Iterator[VariableRef]:
     """Find those of the inputs that nothing feeds and that their component cannot derive."""
     fed = {str(port) for port in structure.connections}
     for sink in lost:
@@ -93,7 +93,7 @@ def _unfed(structure: Structure, lost: Iterable[Port]) -> Iterator[Port]:
             yield sink
 
 
-def _open(structure: Structure, sink: Port, replaced: Iterable[str]) -> str:
+def _open(structure: Structure, sink: VariableRef, replaced: Iterable[str]) -> str:
     """Say which input has lost its feed, and what could be meant."""
     outputs = [f"{name}.{v.name}" for name in replaced for v in structure.models[name].outputs]
     hint = did_you_mean(str(sink), outputs) or did_you_mean(sink.variable, [name.partition(".")[2] for name in outputs])

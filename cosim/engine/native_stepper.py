@@ -13,11 +13,11 @@ import numpy as np
 from fmpy import platform_tuple, sharedLibraryExtension
 from fmpy.fmi1 import FMICallException
 
-from cosim.engine.python_stepper import watch
+from cosim.engine.python_stepper import check_finite
 from cosim.engine.recorder import Recorder
-from cosim.engine.schedule import Plan
+from cosim.engine.schedule import Schedule
 from cosim.errors import RunError
-from cosim.fmi.access import Calls, Port
+from cosim.fmi.access import NativeCalls, VariableAccess
 from cosim.fmi.instance import Instance
 
 BUILT = Path(__file__).with_name("built")
@@ -102,7 +102,7 @@ def _function(function: Any) -> int | None:
     return ctypes.cast(function, ctypes.c_void_p).value
 
 
-def _port(port: Port) -> ctypes.Structure:
+def _port(port: VariableAccess) -> ctypes.Structure:
     return _Port(
         function=_function(port.access.function),
         references=ctypes.addressof(port.access.references),
@@ -116,7 +116,7 @@ def _port(port: Port) -> ctypes.Structure:
     )
 
 
-class _Watcher:
+class NativeCallTracker:
     """Knows where the loop in C is.
 
     Parameters
@@ -132,8 +132,8 @@ class _Watcher:
     CAUSES: ClassVar = ("nothing", "setting", "stepping", "getting", "asked to end", "returned early", "not finite")
     """What may be called or go wrong, in the order of the C source."""
 
-    def __init__(self, plan: Plan, instances: Sequence[Instance], calls: Sequence[Calls], c: Any) -> None:
-        self._plan, self._instances, self._calls, self._c = plan, instances, calls, c
+    def __init__(self, schedule: Schedule, instances: Sequence[Instance], calls: Sequence[NativeCalls], c: Any) -> None:
+        self._plan, self._instances, self._calls, self._c = schedule, instances, calls, c
 
     @property
     def _place(self) -> int:
@@ -147,11 +147,11 @@ class _Watcher:
         if self.CAUSES[now.cause] in ("setting", "getting"):
             ports = calls.inputs if self.CAUSES[now.cause] == "setting" else calls.outputs
             return ports[now.which].access.name, self._plan.clock.time(tick)
-        return calls.step_name, self._plan.turns[self._place].rate.time(tick, now.which)
+        return calls.step_name, self._plan.components[self._place].rate.time(tick, now.which)
 
     def warned(self) -> None:
         """Take note that what is called has warned."""
-        self._instances[self._place].journal.warned(*self.where())
+        self._instances[self._place].messages.warned(*self.where())
 
     def failure(self) -> RunError:
         """Describe what went wrong, in the words of the loop in Python."""
@@ -159,7 +159,7 @@ class _Watcher:
         cause = self.CAUSES[now.cause]
         if cause == "not finite":
             try:
-                watch(self._plan, self._c.done)
+                check_finite(self._plan, self._c.done)
             except RunError as error:
                 return error
         instance: Instance = self._instances[self._place]
@@ -171,8 +171,8 @@ class _Watcher:
         return instance.failure(FMICallException(function=name, status=now.status), name, time)
 
 
-class CLoop:
-    """The loop in C; :class:`cosim.engine.python_stepper.PythonLoop` does the same.
+class NativeStepper:
+    """The loop in C; :class:`cosim.engine.python_stepper.PythonStepper` does the same.
 
     Parameters
     ----------
@@ -184,38 +184,40 @@ class CLoop:
         What records it.
     """
 
-    def __init__(self, plan: Plan, instances: Sequence[Instance], calls: Sequence[Calls], recorder: Recorder) -> None:
+    def __init__(
+        self, schedule: Schedule, instances: Sequence[Instance], calls: Sequence[NativeCalls], recorder: Recorder
+    ) -> None:
         self._library = load()
         self._recorder = recorder
         self._held: list[Any] = []  # what the structures point to
-        components = self._hold((_Component * len(calls))(*self._components(plan, calls)))
-        before = self._hold(np.zeros_like(plan.table))
+        components = self._hold((_Component * len(calls))(*self._components(schedule, calls)))
+        before = self._hold(np.zeros_like(schedule.table))
         self._c = _Plan(
             components=ctypes.addressof(components),
-            table=_address(plan.table),
+            table=_address(schedule.table),
             before=_address(before),
             continuous=_address(recorder.continuous),
             discrete=_address(recorder.discrete),
             component_count=len(calls),
-            group=len(calls) if plan.at_once else 1,
-            table_size=len(plan.table),
+            group=len(calls) if schedule.jacobi else 1,
+            table_size=len(schedule.table),
             continuous_count=len(recorder.continuous),
             discrete_count=len(recorder.discrete),
             record_every=recorder.every,
-            step_size=plan.clock.step_size,
+            step_size=schedule.clock.step_size,
         )
         self._pointer = ctypes.addressof(self._c)
-        self._watcher = _Watcher(plan, instances, calls, self._c)
-        self._journals = [instance.journal for instance in instances]
+        self._watcher = NativeCallTracker(schedule, instances, calls, self._c)
+        self._journals = [instance.messages for instance in instances]
         self._c.warned = _function(self._hold(_Notice(self._watcher.warned)))
 
     def _hold(self, thing: Any) -> Any:
         self._held.append(thing)
         return thing
 
-    def _components(self, plan: Plan, components: Sequence[Calls]) -> list[ctypes.Structure]:
+    def _components(self, schedule: Schedule, components: Sequence[NativeCalls]) -> list[ctypes.Structure]:
         found = []
-        for turn, calls in zip(plan.turns, components, strict=True):
+        for component, calls in zip(schedule.components, components, strict=True):
             ports = [self._hold((_Port * len(p))(*map(_port, p))) for p in (calls.inputs, calls.outputs)]
             found.append(
                 _Component(
@@ -226,9 +228,9 @@ class CLoop:
                     input_count=len(calls.inputs),
                     output_count=len(calls.outputs),
                     standard=calls.standard,
-                    every=turn.rate.every,
-                    parts=turn.rate.parts,
-                    step_size=turn.rate.step_size,
+                    every=component.rate.every,
+                    parts=component.rate.parts,
+                    step_size=component.rate.step_size,
                 )
             )
         return found
@@ -259,12 +261,12 @@ class CLoop:
 
     def _call(self, function: Any, *arguments: int) -> None:
         """Call a function of the C source; what FMUs say meanwhile they say where the loop in C is."""
-        for journal in self._journals:
-            journal.elsewhere = self._watcher.where
+        for messages in self._journals:
+            messages.native_call = self._watcher.where
         try:
             well = function(self._pointer, *arguments)
         finally:
-            for journal in self._journals:
-                journal.elsewhere = None
+            for messages in self._journals:
+                messages.native_call = None
         if not well:
             raise self._watcher.failure()

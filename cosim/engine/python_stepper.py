@@ -9,7 +9,7 @@ import numpy as np
 
 from cosim.engine.clock import Pacer
 from cosim.engine.recorder import Recorder
-from cosim.engine.schedule import Loop, Plan, Turn
+from cosim.engine.schedule import Schedule, ScheduledComponent, Stepper
 from cosim.errors import RunError
 from cosim.fmi.interrupts import check
 
@@ -20,7 +20,9 @@ _GROWTH = 8
 """How much longer a chunk may be than the one before: how fast the FMUs are is not known at first."""
 
 
-def crank(loop: Loop, plan: Plan, room: int, between: Callable[[int], None], pacer: Pacer | None = None) -> None:
+def run_in_chunks(
+    loop: Stepper, schedule: Schedule, room: int, between: Callable[[int], None], pacer: Pacer | None = None
+) -> None:
     """Step to the end in chunks.
 
     Parameters
@@ -43,7 +45,7 @@ def crank(loop: Loop, plan: Plan, room: int, between: Callable[[int], None], pac
     KeyboardInterrupt
         If the user wants to end.
     """
-    steps, tick, seen, size = plan.clock.steps, 0, 0, 1
+    steps, tick, seen, size = schedule.clock.steps, 0, 0, 1
     looked = perf_counter()
     while tick < steps:
         if pacer is not None:
@@ -63,7 +65,7 @@ def crank(loop: Loop, plan: Plan, room: int, between: Callable[[int], None], pac
         pacer.wait(steps)
 
 
-def watch(plan: Plan, tick: int) -> None:
+def check_finite(schedule: Schedule, tick: int) -> None:
     """Check that all values are numbers.
 
     Raises
@@ -71,15 +73,15 @@ def watch(plan: Plan, tick: int) -> None:
     RunError
         If one is not.
     """
-    finite = np.isfinite(plan.table)
+    finite = np.isfinite(schedule.table)
     if not finite.all():
         place = int(np.flatnonzero(~finite)[0])
-        name, value, time = plan.names[place], plan.table[place], plan.clock.time(tick)
+        name, value, time = schedule.names[place], schedule.table[place], schedule.clock.time(tick)
         raise RunError(f"{name}: expected a finite output, got {value} at t = {time:g} s")
 
 
-class PythonLoop:
-    """The loop in Python; :class:`cosim.engine.native_stepper.CLoop` does the same.
+class PythonStepper:
+    """The loop in Python; :class:`cosim.engine.native_stepper.NativeStepper` does the same.
 
     Parameters
     ----------
@@ -98,76 +100,76 @@ class PythonLoop:
         Whether anybody has printed.
     """
 
-    def __init__(self, plan: Plan, recorder: Recorder, listening: bool = False) -> None:
-        self._plan = plan
+    def __init__(self, schedule: Schedule, recorder: Recorder, listening: bool = False) -> None:
+        self._plan = schedule
         self._recorder = recorder
-        self._groups = plan.groups
+        self._groups = schedule.groups
         self._listening = listening
         self.done = 0
         self.heard = False
 
     def settle(self) -> None:
         """Pass initial outputs along the connections until they settle."""
-        for _ in self._plan.turns:  # the longest chain of connections without a loop
+        for _ in self._plan.components:  # the longest chain of connections without a loop
             before = self._plan.table.copy()
-            for turn in self._plan.turns:
-                with turn.instance.calling("initial exchange"):
-                    turn.instance.take_inputs(0.0)
-                    turn.instance.give_outputs(0.0)
+            for component in self._plan.components:
+                with component.instance.calling("initial exchange"):
+                    component.instance.set_inputs(0.0)
+                    component.instance.get_outputs(0.0)
             if np.array_equal(before, self._plan.table, equal_nan=True):
                 break
 
     def read(self) -> None:
         """Read all outputs."""
-        for turn in self._plan.turns:
-            with turn.instance.calling("initial exchange"):
-                turn.instance.give_outputs(0.0)
+        for component in self._plan.components:
+            with component.instance.calling("initial exchange"):
+                component.instance.get_outputs(0.0)
 
     def run(self, first: int, last: int) -> None:
         """Step from one tick to another, recording."""
         for tick in range(first, last):
             check()
-            watch(self._plan, tick)
+            check_finite(self._plan, tick)
             self._recorder.before(tick)
             for group in self._groups:
                 self._step(group, tick)
             self._recorder.after(tick)
             self.done = tick + 1
 
-    def _step(self, group: Sequence[Turn], tick: int) -> None:
+    def _step(self, group: Sequence[ScheduledComponent], tick: int) -> None:
         """Step components that exchange nothing in between."""
-        due = [turn for turn in group if tick % turn.rate.every == 0]
-        turn, time = group[0], self._plan.clock.time(tick)
+        due = [component for component in group if tick % component.rate.every == 0]
+        component, time = group[0], self._plan.clock.time(tick)
         try:
-            for turn in due:
-                turn.instance.take_inputs(time)
-                self._listen(turn, time)
-            for turn in due:
-                for part in range(turn.rate.parts):
-                    time = turn.rate.time(tick, part)
-                    turn.instance.advance(time, turn.rate.step_size)
-                    self._listen(turn, time)
+            for component in due:
+                component.instance.set_inputs(time)
+                self._listen(component, time)
+            for component in due:
+                for part in range(component.rate.parts):
+                    time = component.rate.time(tick, part)
+                    component.instance.advance(time, component.rate.step_size)
+                    self._listen(component, time)
             time = self._plan.clock.time(tick)
-            for turn in group:
-                _give(turn, tick, time)
-                self._listen(turn, time)
+            for component in group:
+                _give(component, tick, time)
+                self._listen(component, time)
         except RunError:
             raise
         except Exception as error:
-            raise turn.instance.failure(error, "doStep", time) from error
+            raise component.instance.failure(error, "doStep", time) from error
 
-    def _listen(self, turn: Turn, time: float) -> None:
-        if self._listening and turn.instance.listen("doStep", time):
+    def _listen(self, component: ScheduledComponent, time: float) -> None:
+        if self._listening and component.instance.listen("doStep", time):
             self.heard = True
 
 
-def _give(turn: Turn, tick: int, time: float) -> None:
+def _give(component: ScheduledComponent, tick: int, time: float) -> None:
     """Give a component's outputs: what is discrete where its step begins, what is continuous where it ends."""
-    every = turn.rate.every
+    every = component.rate.every
     if every == 1:
-        turn.instance.give_outputs(time)
+        component.instance.get_outputs(time)
         return
     if tick % every == 0:
-        turn.instance.give_outputs(time, discrete=True)
+        component.instance.get_outputs(time, discrete=True)
     if (tick + 1) % every == 0:
-        turn.instance.give_outputs(time, discrete=False)
+        component.instance.get_outputs(time, discrete=False)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.engine.schedule import Plan
+from cosim.engine.schedule import Schedule
 from cosim.results.result import Sink
 
 BLOCK = 4096
@@ -40,11 +40,16 @@ class Recorder:
     """
 
     def __init__(
-        self, plan: Plan, names: Sequence[str], units: Sequence[str | None], discrete: Sequence[bool], every: int
+        self,
+        schedule: Schedule,
+        names: Sequence[str],
+        units: Sequence[str | None],
+        discrete: Sequence[bool],
+        every: int,
     ) -> None:
         self.names, self.units, self.every = names, units, every
-        self._table, self._clock = plan.table, plan.clock
-        places = {name: place for place, name in enumerate(plan.names)}
+        self._table, self._clock = schedule.table, schedule.clock
+        places = {name: place for place, name in enumerate(schedule.names)}
         cells = np.array([(column, places[name]) for column, name in enumerate(names, 1)], np.int64).reshape(-1, 2)
         chosen = np.array(discrete, dtype=bool)
         self._places = cells[:, 1].copy()

@@ -11,10 +11,10 @@ import numpy as np
 
 from cosim.engine.clock import Clock
 from cosim.errors import SetupError
-from cosim.fmi.isolated import Slave
+from cosim.fmi.isolated import AnyInstance
 
 
-class Rate(NamedTuple):
+class Decimation(NamedTuple):
     """How a component steps along with the communication steps.
 
     Attributes
@@ -36,7 +36,7 @@ class Rate(NamedTuple):
         return (tick // self.every * self.parts + part) * self.step_size
 
 
-def rates(component_steps: Mapping[str, float], components: Sequence[str], clock: Clock) -> dict[str, Rate]:
+def decimations(component_steps: Mapping[str, float], components: Sequence[str], clock: Clock) -> dict[str, Decimation]:
     """Find out how each component steps.
 
     Parameters
@@ -54,7 +54,7 @@ def rates(component_steps: Mapping[str, float], components: Sequence[str], clock
         If a step size neither holds a whole number of the clock's nor the other way round, or does not fit into the
         run: nothing steps past the stop.
     """
-    found = {name: Rate(1, 1, clock.step_size) for name in components}
+    found = {name: Decimation(1, 1, clock.step_size) for name in components}
     problems: list[str] = []
     for name, step in component_steps.items():
         try:
@@ -68,7 +68,7 @@ def rates(component_steps: Mapping[str, float], components: Sequence[str], clock
     return found
 
 
-def _rate(name: str, step: float, clock: Clock) -> Rate:
+def _rate(name: str, step: float, clock: Clock) -> Decimation:
     """Find out how a component of a step size of its own, in s, steps."""
     h = clock.step_size
     if not 0.0 < step < math.inf:
@@ -78,19 +78,19 @@ def _rate(name: str, step: float, clock: Clock) -> Rate:
         raise SetupError(f"step size of {name}: expected a multiple or a whole part of {h} s, got {step} s")
     if clock.steps % every:
         raise SetupError(f"step size of {name}: expected one that fits into {clock.stop_time:g} s, got {step} s")
-    return Rate(every, parts, step)
+    return Decimation(every, parts, step)
 
 
 @dataclass(frozen=True)
-class Turn:
+class ScheduledComponent:
     """A component in its turn."""
 
-    instance: Slave
-    rate: Rate
+    instance: AnyInstance
+    rate: Decimation
 
 
 @dataclass(frozen=True)
-class Plan:
+class Schedule:
     """Who steps when.
 
     Attributes
@@ -107,19 +107,19 @@ class Plan:
         What stands in the table.
     """
 
-    turns: Sequence[Turn]
-    at_once: bool
+    components: Sequence[ScheduledComponent]
+    jacobi: bool
     clock: Clock
     table: np.ndarray[Any, Any]
     names: Sequence[str]
 
     @property
-    def groups(self) -> list[Sequence[Turn]]:
+    def groups(self) -> list[Sequence[ScheduledComponent]]:
         """Who exchanges values with nobody in between: in a sequence, each is a group of its own."""
-        return [self.turns] if self.at_once else [[turn] for turn in self.turns]
+        return [self.components] if self.jacobi else [[component] for component in self.components]
 
 
-class Loop(Protocol):
+class Stepper(Protocol):
     """Turns the crank of a plan, run after run; each begins with :meth:`settle`."""
 
     done: int

@@ -13,19 +13,19 @@ import numpy as np
 
 from cosim.engine import native_stepper as stepper
 from cosim.engine.clock import Pacer
-from cosim.engine.python_stepper import PythonLoop, crank, watch
+from cosim.engine.python_stepper import PythonStepper, check_finite, run_in_chunks
 from cosim.engine.recorder import Recorder
-from cosim.engine.schedule import Loop, Plan, Turn, rates
-from cosim.engine.stdout_monitor import ListeningLoop
-from cosim.engine.structure import ALGORITHMS, Algorithm, Port, Structure
-from cosim.engine.unconnected_inputs import Settled
+from cosim.engine.schedule import Schedule, ScheduledComponent, Stepper, decimations
+from cosim.engine.stdout_monitor import StdoutMonitor
+from cosim.engine.structure import ALGORITHMS, Algorithm, Structure, VariableRef
+from cosim.engine.unconnected_inputs import UnconnectedInputs
 from cosim.errors import CosimError, RunError, SetupError, did_you_mean
-from cosim.fmi.description import Model, Value
+from cosim.fmi.description import ModelDescription, Value
 from cosim.fmi.instance import Instance, extract, instantiate
-from cosim.fmi.interrupts import check, held, watched
-from cosim.fmi.isolated import MAX_TIME_LIMIT, TIME_LIMIT, IsolatedInstance, Slave
+from cosim.fmi.interrupts import check, critical_section, deferring_sigint
+from cosim.fmi.isolated import MAX_TIME_LIMIT, TIME_LIMIT, AnyInstance, IsolatedInstance
 from cosim.fmi.output_capture import Diversion
-from cosim.results.result import LoopName, Result, Sink
+from cosim.results.result import Result, Sink, StepperName
 
 
 class Options(TypedDict, total=False):
@@ -36,16 +36,16 @@ class Options(TypedDict, total=False):
     sinks: Sequence[Sink]
     keep: bool
     real_time: bool
-    loop: LoopName | None
+    loop: StepperName | None
 
 
 class _Preparation(NamedTuple):
     """All of a run that does not depend on the values of its parameters."""
 
-    plan: Plan
+    schedule: Schedule
     recorder: Recorder
-    loop: Loop
-    loop_name: LoopName
+    loop: Stepper
+    loop_name: StepperName
 
 
 class Session:
@@ -89,7 +89,7 @@ class Session:
         self._divert = divert_stdout
         self._diversion: Diversion | None = None
         self._stack = ExitStack()
-        self._instances: dict[str, Slave] = {}
+        self._instances: dict[str, AnyInstance] = {}
         self._warnings: list[str] = []
         self._names = self._system.outputs()
         self._places = {name: place for place, name in enumerate(self._names)}
@@ -97,12 +97,12 @@ class Session:
         self._request: tuple[object, ...] = ()
         self._preparation: _Preparation
         self._given: tuple[str, ...] | None = None
-        self._settled: dict[str, Settled] = {}
+        self._settled: dict[str, UnconnectedInputs] = {}
 
     def __enter__(self) -> Session:
         """Extract, instantiate and wire all FMUs."""
         self._diversion = Diversion() if self._divert else None
-        self._stack.enter_context(watched())
+        self._stack.enter_context(deferring_sigint())
         try:
             with self._careful():
                 for name, model in self._system.models.items():
@@ -117,10 +117,10 @@ class Session:
         """Free all FMUs and remove their folders."""
         self._free()
 
-    def _load(self, name: str, model: Model) -> None:
+    def _load(self, name: str, model: ModelDescription) -> None:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="seat-cosim-")))
         extract(model, folder)
-        instance: Slave
+        instance: AnyInstance
         if name in self.isolated:
             instance = IsolatedInstance(name, model, folder, self.time_limit)
         else:
@@ -154,7 +154,7 @@ class Session:
     @contextmanager
     def _careful(self) -> Iterator[None]:
         """Call FMUs: what they print does not reach our output, Ctrl-C waits until nothing is half done."""
-        with held(), self._diversion.on() if self._diversion is not None else nullcontext():
+        with critical_section(), self._diversion.on() if self._diversion is not None else nullcontext():
             yield
 
     def _outside(self) -> AbstractContextManager[None]:
@@ -174,7 +174,7 @@ class Session:
         sinks: Sequence[Sink] = (),
         keep: bool = True,
         real_time: bool = False,
-        loop: LoopName | None = None,
+        loop: StepperName | None = None,
     ) -> Result:
         """Initialise, step to the stop time, terminate.
 
@@ -222,16 +222,16 @@ class Session:
             except BaseException as failure:
                 self._terminate(0.0, failure)
                 raise
-            pacer = Pacer(ready.plan.clock) if real_time else None
+            pacer = Pacer(ready.schedule.clock) if real_time else None
             with ready.recorder.recording(keep, sinks, self._outside):
                 error: Exception | None = None
                 try:
                     error = self._turn(ready, progress, pacer)
                 finally:
-                    error = self._terminate(ready.plan.clock.time(ready.loop.done), error)
+                    error = self._terminate(ready.schedule.clock.time(ready.loop.done), error)
                 ready.recorder.complete = error is None
         self._warnings = [f"{i.name}: {text}" for i in self._instances.values() for text in i.warnings]
-        if isinstance(ready.loop, ListeningLoop):
+        if isinstance(ready.loop, StdoutMonitor):
             self._warnings += ready.loop.warnings
         self._warnings[:0] = self._system.notes(settled=self._settled)
         rows = ready.recorder.recorded()
@@ -260,37 +260,43 @@ class Session:
         record: tuple[str, ...] | None,
         algorithm: Algorithm | None,
         record_every: int,
-        loop: LoopName | None,
+        loop: StepperName | None,
     ) -> _Preparation:
         system = self._system
         check_choices(algorithm, record_every, loop)
         clock = system.clock(stop_time, step_size)
         names = system.recorded(record)
-        rate = rates(system.component_steps, list(system.models), clock)
-        turns = [Turn(self._instances[name], rate[name]) for name in system.order]
-        plan = Plan(turns, (algorithm or system.algorithm) == "jacobi", clock, self._table, self._names)
+        rate = decimations(system.component_steps, list(system.models), clock)
+        components = [ScheduledComponent(self._instances[name], rate[name]) for name in system.order]
+        schedule = Schedule(components, (algorithm or system.algorithm) == "jacobi", clock, self._table, self._names)
         recorder = Recorder(
-            plan,
+            schedule,
             names,
             units=[system.unit(name) for name in names],
-            discrete=[system.models[n.component].is_discrete(n.variable) for n in map(Port.parse, names)],
+            discrete=[system.models[n.component].is_discrete(n.variable) for n in map(VariableRef.parse, names)],
             every=record_every,
         )
-        turning = self._loop_in_c(plan, recorder) if stepper.load() and loop != "python" else None
+        turning = self._loop_in_c(schedule, recorder) if stepper.load() and loop != "python" else None
         if turning is None and loop == "c":
             raise SetupError("loop: expected FMUs that can be called from C, got one in a process of its own")
-        chosen: Loop = turning or PythonLoop(plan, recorder)
+        chosen: Stepper = turning or PythonStepper(schedule, recorder)
         here = [name for name in self._instances if name not in self.isolated]
         if self._diversion is not None and here:
-            chosen = ListeningLoop(chosen, plan, recorder, here)
-        return _Preparation(plan, recorder, chosen, "c" if turning else "python")
+            chosen = StdoutMonitor(chosen, schedule, recorder, here)
+        return _Preparation(schedule, recorder, chosen, "c" if turning else "python")
 
     @staticmethod
-    def _loop_in_c(plan: Plan, recorder: Recorder) -> stepper.CLoop | None:
+    def _loop_in_c(schedule: Schedule, recorder: Recorder) -> stepper.NativeStepper | None:
         """Make the loop in C, if it can call all FMUs."""
-        instances = [turn.instance for turn in plan.turns if isinstance(turn.instance, Instance)]
+        instances = [
+            component.instance for component in schedule.components if isinstance(component.instance, Instance)
+        ]
         calls = [call for instance in instances if (call := instance.calls()) is not None]
-        return stepper.CLoop(plan, instances, calls, recorder) if len(calls) == len(plan.turns) else None
+        return (
+            stepper.NativeStepper(schedule, instances, calls, recorder)
+            if len(calls) == len(schedule.components)
+            else None
+        )
 
     def _set_up(self, ready: _Preparation, parameters: Mapping[str, Value]) -> None:
         """Start all FMUs and pass initial outputs along the connections until they settle."""
@@ -300,7 +306,7 @@ class Session:
         self._table[:] = 0.0
         ready.loop.done = 0
         for instance in self._instances.values():
-            instance.start(ready.plan.clock.stop_time, values[instance.name])
+            instance.start(ready.schedule.clock.stop_time, values[instance.name])
             check()
         ready.loop.settle()
         for instance in self._instances.values():
@@ -312,21 +318,21 @@ class Session:
         self, ready: _Preparation, progress: Callable[[float], None] | None, pacer: Pacer | None
     ) -> Exception | None:
         """Step to the end; returns why that was not reached."""
-        plan, recorder, loop = ready.plan, ready.recorder, ready.loop
+        schedule, recorder, loop = ready.schedule, ready.recorder, ready.loop
 
         def between(done: int) -> None:
             recorder.flush(done)
             if progress is not None:
                 with self._outside():
-                    progress(plan.clock.time(done))
+                    progress(schedule.clock.time(done))
 
         try:
-            crank(loop, plan, recorder.room, between, pacer)
-            watch(plan, plan.clock.steps)
+            run_in_chunks(loop, schedule, recorder.room, between, pacer)
+            check_finite(schedule, schedule.clock.steps)
         except CosimError as failure:
             error: CosimError = failure
         except KeyboardInterrupt:
-            error = RunError(f"interrupted at t = {plan.clock.time(loop.done):g} s")
+            error = RunError(f"interrupted at t = {schedule.clock.time(loop.done):g} s")
         else:
             recorder.last()
             return None
@@ -369,7 +375,7 @@ def check_isolation(system: Structure, components: Iterable[str], time_limit: fl
         raise SetupError(*problems)
 
 
-def check_choices(algorithm: Algorithm | None, record_every: int, loop: LoopName | None) -> None:
+def check_choices(algorithm: Algorithm | None, record_every: int, loop: StepperName | None) -> None:
     """Check how a run is to be made.
 
     Raises

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cosim.engine.python_stepper import PythonLoop
+from cosim.engine.python_stepper import PythonStepper
 from cosim.engine.recorder import Recorder
-from cosim.engine.schedule import Loop, Plan
+from cosim.engine.schedule import Schedule, Stepper
 from cosim.fmi.output_capture import printed
 
 
-class ListeningLoop:
+class StdoutMonitor:
     """A loop, and a look after every chunk of its steps at what was printed.
 
     What turns up there may be anybody's. So the next tick is turned in Python, with a look after each component: that
@@ -27,10 +27,10 @@ class ListeningLoop:
 
     """
 
-    def __init__(self, loop: Loop, plan: Plan, recorder: Recorder, names: Sequence[str]) -> None:
+    def __init__(self, loop: Stepper, schedule: Schedule, recorder: Recorder, names: Sequence[str]) -> None:
         self._loop = loop
-        self._alone = PythonLoop(plan, recorder, listening=True)
-        self._clock = plan.clock
+        self._alone = PythonStepper(schedule, recorder, listening=True)
+        self._clock = schedule.clock
         self._who = " or ".join(names)
         self._wondering = False
         self._told: dict[str, str] = {}

@@ -11,9 +11,9 @@ from fmpy.model_description import ModelVariable
 
 from cosim.engine.clock import Clock
 from cosim.engine.step_order import Edge, propose
-from cosim.engine.unconnected_inputs import Settled, settle
+from cosim.engine.unconnected_inputs import UnconnectedInputs, settle
 from cosim.errors import SetupError, did_you_mean
-from cosim.fmi.description import KINDS, NUMERIC, Model, Value
+from cosim.fmi.description import KINDS, NUMERIC, ModelDescription, Value
 from cosim.units import IDENTITY, Linear, conversion
 
 Algorithm = Literal["gauss-seidel", "jacobi"]
@@ -22,7 +22,7 @@ Algorithm = Literal["gauss-seidel", "jacobi"]
 ALGORITHMS: tuple[Algorithm, ...] = get_args(Algorithm)
 
 
-class Port(NamedTuple):
+class VariableRef(NamedTuple):
     """One variable of one component."""
 
     component: str
@@ -32,7 +32,7 @@ class Port(NamedTuple):
         return f"{self.component}.{self.variable}"
 
     @classmethod
-    def parse(cls, text: str) -> Port:
+    def parse(cls, text: str) -> VariableRef:
         """Split ``component.variable``; the variable's name may hold further dots."""
         component, dot, variable = text.partition(".")
         if not (component and dot and variable):
@@ -40,7 +40,7 @@ class Port(NamedTuple):
         return cls(component, variable)
 
 
-class Feed(NamedTuple):
+class Connection(NamedTuple):
     """What an input takes: an output's value, transformed.
 
     Attributes
@@ -55,7 +55,7 @@ class Feed(NamedTuple):
         Whether units are converted.
     """
 
-    source: Port
+    source: VariableRef
     transformation: Linear = IDENTITY
     asked: Linear = IDENTITY
     convert_units: bool = True
@@ -88,19 +88,19 @@ class Structure:
 
     def __init__(self) -> None:
         self.name = "system"
-        self.models: dict[str, Model] = {}
-        self.connections: dict[Port, Feed] = {}
+        self.models: dict[str, ModelDescription] = {}
+        self.connections: dict[VariableRef, Connection] = {}
         self.parameters: dict[str, Value] = {}
         self.algorithm: Algorithm = ALGORITHMS[0]
         self.component_steps: dict[str, float] = {}
         self.stop_time: float | None = None
-        self.passed_over: tuple[str, ...] = ()
+        self.ignored: tuple[str, ...] = ()
         self._step_size: float | None = None
         self._order: tuple[str, ...] | None = None
 
     # ---- building ----------------------------------------------------------------------------------------------------
 
-    def add(self, name: str, fmu: str | Path | Model) -> None:
+    def add(self, name: str, fmu: str | Path | ModelDescription) -> None:
         """Add a component.
 
         Parameters
@@ -119,7 +119,7 @@ class Structure:
             raise SetupError(f"component {name!r}: expected a name without dots")
         if name in self.models:
             raise SetupError(f"component {name}: expected a new name, got one that is there already")
-        self.models[name] = fmu if isinstance(fmu, Model) else Model.read(fmu)
+        self.models[name] = fmu if isinstance(fmu, ModelDescription) else ModelDescription.read(fmu)
 
     def connect(
         self,
@@ -144,7 +144,7 @@ class Structure:
         SetupError
             If an end does not exist, has the wrong causality, the input is fed already, or types or dimensions differ.
         """
-        source, sink = Port.parse(output), Port.parse(input)
+        source, sink = VariableRef.parse(output), VariableRef.parse(input)
         ends = {"output": (source, self.variable(source)), "input": (sink, self.variable(sink))}
         between = f"connection {source} -> {sink}"
         problems = [
@@ -167,7 +167,7 @@ class Structure:
         if problems:
             raise SetupError(*problems)
         combined = transformation.after(converted or IDENTITY)
-        self.connections[sink] = Feed(source, combined, transformation, convert_units)
+        self.connections[sink] = Connection(source, combined, transformation, convert_units)
 
     def disconnect(self, input: str) -> None:  # noqa: A002
         """Free an input.
@@ -177,14 +177,14 @@ class Structure:
         SetupError
             If nothing feeds it.
         """
-        sink = Port.parse(input)
+        sink = VariableRef.parse(input)
         self.variable(sink)
         if sink not in self.connections:
             fed = [str(port) for port in self.connections]
             raise SetupError(f"{sink}: expected an input that is fed, got one that is free{did_you_mean(input, fed)}")
         del self.connections[sink]
 
-    def variable(self, port: Port) -> ModelVariable:
+    def variable(self, port: VariableRef) -> ModelVariable:
         """Look up a variable.
 
         Raises
@@ -199,11 +199,11 @@ class Structure:
             )
         return self.models[port.component].variable(port.component, port.variable)
 
-    def conversion(self, source: Port, sink: Port) -> Linear | None:
+    def conversion(self, source: VariableRef, sink: VariableRef) -> Linear | None:
         """Find what converts between the units of two ports; None where the dimensions differ."""
         return conversion(*(self.models[port.component].defined_unit(self.variable(port)) for port in (source, sink)))
 
-    def swap(self, name: str, fmu: str | Path) -> list[Port]:
+    def swap(self, name: str, fmu: str | Path) -> list[VariableRef]:
         """Put another FMU in a component's place and keep the connections and parameters that fit it.
 
         Parameters
@@ -226,7 +226,7 @@ class Structure:
         if name not in self.models:
             known = ", ".join(self.models) or "none"
             raise SetupError(f"{name}: expected a component among {known}, got none{did_you_mean(name, self.models)}")
-        self.models[name] = newcomer = Model.read(fmu)
+        self.models[name] = newcomer = ModelDescription.read(fmu)
         touched = {
             sink: feed for sink, feed in self.connections.items() if name in (sink.component, feed.source.component)
         }
@@ -238,7 +238,7 @@ class Structure:
         self.parameters = {
             text: value
             for text, value in self.parameters.items()
-            if Port.parse(text).component != name or Port.parse(text).variable in newcomer.variables
+            if VariableRef.parse(text).component != name or VariableRef.parse(text).variable in newcomer.variables
         }
         return [sink for sink in touched if sink.component != name and sink not in self.connections]
 
@@ -260,7 +260,7 @@ class Structure:
         """Whether the order was set, and is no proposal."""
         return self._order is not None
 
-    def edges(self) -> dict[Port, Edge]:
+    def edges(self) -> dict[VariableRef, Edge]:
         """Tell of each connected input when its value is made."""
         return {
             sink: Edge(feed.source.component, sink.component, self.variable(feed.source).variability != "continuous")
@@ -297,7 +297,7 @@ class Structure:
     # ---- checks ------------------------------------------------------------------------------------------------------
 
     def check(
-        self, parameters: Mapping[str, Value], settled: Mapping[str, Settled] | None = None
+        self, parameters: Mapping[str, Value], settled: Mapping[str, UnconnectedInputs] | None = None
     ) -> dict[str, dict[str, float | str]]:
         """Check the system's own parameters and those of a run, which win, against the descriptions.
 
@@ -326,7 +326,7 @@ class Structure:
             given |= {f"{name}.{parameter}": value for parameter, value in inputs.settings.items()}
         for text, value in given.items():
             try:
-                port = Port.parse(text)
+                port = VariableRef.parse(text)
                 self.variable(port)
                 if port in self.connections:
                     raise SetupError(
@@ -339,15 +339,17 @@ class Structure:
             raise SetupError(*problems)
         return values
 
-    def settled(self, parameters: Iterable[str] = ()) -> dict[str, Settled]:
+    def settled(self, parameters: Iterable[str] = ()) -> dict[str, UnconnectedInputs]:
         """Decide what becomes of inputs that nothing feeds, by component, where a run sets these parameters."""
         fed, given = {str(sink) for sink in self.connections}, {*self.parameters, *parameters}
         return {name: settle(name, model, fed, given) for name, model in self.models.items()}
 
-    def notes(self, parameters: Iterable[str] = (), settled: Mapping[str, Settled] | None = None) -> list[str]:
+    def notes(
+        self, parameters: Iterable[str] = (), settled: Mapping[str, UnconnectedInputs] | None = None
+    ) -> list[str]:
         """Say what a user should know: what was passed over, and which inputs nothing feeds; see :meth:`check`."""
         known = self.settled(parameters) if settled is None else settled
-        return [*self.passed_over, *(note for inputs in known.values() for note in inputs.notes)]
+        return [*self.ignored, *(note for inputs in known.values() for note in inputs.notes)]
 
     def outputs(self) -> list[str]:
         """Name all outputs as ``component.variable``, in order."""
@@ -367,9 +369,9 @@ class Structure:
 
     def unit(self, port: str) -> str | None:
         """Return the unit of ``component.variable``."""
-        component, variable = Port.parse(port)
-        return self.models[component].unit(self.variable(Port(component, variable)))
+        component, variable = VariableRef.parse(port)
+        return self.models[component].unit(self.variable(VariableRef(component, variable)))
 
     def start(self, port: str) -> float:
         """Return the start value of the number ``component.variable``."""
-        return float(self.variable(Port.parse(port)).start)
+        return float(self.variable(VariableRef.parse(port)).start)

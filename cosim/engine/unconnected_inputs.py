@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from dataclasses import dataclass, field
 
-from cosim.fmi.description import KINDS, NUMERIC, Model
+from cosim.fmi.description import KINDS, NUMERIC, ModelDescription
 
 _SUFFIX = "_signals"
 
@@ -34,7 +34,7 @@ class Selector:
     inputs: dict[str, str]
 
 
-def selectors(model: Model) -> Iterator[Selector]:
+def selectors(model: ModelDescription) -> Iterator[Selector]:
     """Find the selectors of an FMU."""
     for variable in model.variables.values():
         group = variable.name.removesuffix(_SUFFIX)
@@ -47,14 +47,14 @@ def selectors(model: Model) -> Iterator[Selector]:
             yield Selector(variable.name, every, inputs)
 
 
-def derivable(name: str, model: Model, fed: Container[str]) -> set[str]:
+def derivable(name: str, model: ModelDescription, fed: Container[str]) -> set[str]:
     """Name the inputs that a component derives from another of their group; parameters as of :func:`settle`."""
     groups = [{f"{name}.{input_}" for input_ in selector.inputs.values()} for selector in selectors(model)]
     return {port for group in groups if any(port in fed for port in group) for port in group}
 
 
 @dataclass
-class Settled:
+class UnconnectedInputs:
     """What becomes of the inputs of a component.
 
     Attributes
@@ -72,7 +72,7 @@ class Settled:
     problems: list[str] = field(default_factory=list)
 
 
-def settle(name: str, model: Model, fed: Container[str], given: Container[str]) -> Settled:
+def settle(name: str, model: ModelDescription, fed: Container[str], given: Container[str]) -> UnconnectedInputs:
     """Decide what becomes of the inputs of a component.
 
     Parameters
@@ -84,7 +84,7 @@ def settle(name: str, model: Model, fed: Container[str], given: Container[str]) 
     given
         Variables that a user or the system has set, likewise.
     """
-    settled = Settled()
+    settled = UnconnectedInputs()
     grouped: set[str] = set()
     for selector in selectors(model):
         grouped |= set(selector.inputs.values())
@@ -99,7 +99,9 @@ def settle(name: str, model: Model, fed: Container[str], given: Container[str]) 
     return settled
 
 
-def _select(name: str, selector: Selector, fed: Container[str], given: Container[str], settled: Settled) -> None:
+def _select(
+    name: str, selector: Selector, fed: Container[str], given: Container[str], settled: UnconnectedInputs
+) -> None:
     """Choose the input of a group that is alive, where not all are."""
     ports = {item: f"{name}.{input_}" for item, input_ in selector.inputs.items()}
     alive = {item: port for item, port in ports.items() if port in fed or port in given}

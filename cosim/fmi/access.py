@@ -10,7 +10,7 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class Access:
+class AccessCall:
     """One call of an FMU's getter or setter: some variables of one type, moved between the FMU and a buffer.
 
     Attributes
@@ -35,7 +35,7 @@ class Access:
 
 
 @dataclass(frozen=True)
-class Port:
+class VariableAccess:
     """Some variables of one type, moved between the FMU and a part of a table of values.
 
     Attributes
@@ -52,7 +52,7 @@ class Port:
         Whether the FMU writes into the table itself, of which ``buffer`` is a part.
     """
 
-    access: Access
+    access: AccessCall
     places: np.ndarray[Any, Any]
     factors: np.ndarray[Any, Any] | None = None
     offsets: np.ndarray[Any, Any] | None = None
@@ -61,7 +61,7 @@ class Port:
 
 
 @dataclass(frozen=True)
-class Calls:
+class NativeCalls:
     """What a loop in C needs of an instance to call the FMU's own functions.
 
     Attributes
@@ -80,5 +80,5 @@ class Calls:
     component: int
     step_name: str
     step: Any
-    inputs: Sequence[Port]
-    outputs: Sequence[Port]
+    inputs: Sequence[VariableAccess]
+    outputs: Sequence[VariableAccess]

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 import fmpy
-from fmpy.model_description import ModelDescription, ModelVariable
+from fmpy.model_description import ModelDescription as FmpyDescription
+from fmpy.model_description import ModelVariable
 
 from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.archive import is_file, leaves, open_archive
@@ -34,7 +35,7 @@ NUMERIC = ("Real", "Integer", "Enumeration", "Boolean")
 
 
 @dataclass(frozen=True)
-class Model:
+class ModelDescription:
     """An FMU for co-simulation as its description tells.
 
     Attributes
@@ -50,12 +51,12 @@ class Model:
     """
 
     path: Path
-    description: ModelDescription
+    description: FmpyDescription
     variables: dict[str, ModelVariable]
     member: str | None = None
 
     @classmethod
-    def read(cls, path: str | Path, member: str | None = None) -> Model:
+    def read(cls, path: str | Path, member: str | None = None) -> ModelDescription:
         """Read an FMU's description.
 
         Parameters
@@ -235,7 +236,7 @@ def _opened(path: Path, member: str | None) -> str | BinaryIO:
         return io.BytesIO(archive.read(member))
 
 
-def _check_variable(model: Model, variable: ModelVariable) -> None:
+def _check_variable(model: ModelDescription, variable: ModelVariable) -> None:
     """Convert what a variable's attributes say; raises whatever that raises."""
     kind = KINDS[variable.type]
     if kind in NUMERIC:

@@ -21,10 +21,10 @@ from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelVariable
 
 from cosim.errors import RunError, SetupError
-from cosim.fmi.access import Access, Calls, Port
+from cosim.fmi.access import AccessCall, NativeCalls, VariableAccess
 from cosim.fmi.archive import open_archive
-from cosim.fmi.description import Model
-from cosim.fmi.messages import WARNING, Journal
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.messages import WARNING, MessageLog
 from cosim.fmi.output_capture import printed
 from cosim.units import IDENTITY, Linear
 
@@ -69,14 +69,14 @@ class Instance(ABC):
     ACCESS: ClassVar[Mapping[str, str]]
     """Type of a variable to the name of its access, where they differ."""
 
-    def __init__(self, name: str, model: Model, folder: Path) -> None:
+    def __init__(self, name: str, model: ModelDescription, folder: Path) -> None:
         self.name = name
         self.model = model
-        self.journal = Journal()
+        self.messages = MessageLog()
         self._table = np.zeros(0)
-        self._inputs: list[Port] = []
-        self._outputs: list[Port] = []
-        self._parameters: dict[tuple[str, ...], list[tuple[Access, list[str]]]] = {}
+        self._inputs: list[VariableAccess] = []
+        self._outputs: list[VariableAccess] = []
+        self._parameters: dict[tuple[str, ...], list[tuple[AccessCall, list[str]]]] = {}
         self._texts: list[str] = []
         self._initialised = False  # so that it must be reset before another run
         self._running = False  # so that it must be terminated
@@ -135,14 +135,14 @@ class Instance(ABC):
         """Attribute what was printed since the last time to a call at a time in s; returns whether anything was."""
         text = printed()
         if text:
-            self.journal.printed(call, time, text)
+            self.messages.printed(call, time, text)
         return bool(text)
 
     def _judge(self, status: int, function: str) -> None:
         """Take note of a status that is not that of a call without any fault."""
         if status > WARNING:
             raise FMICallException(function=function, status=status)
-        self.journal.warned(function, self.journal.time)
+        self.messages.warned(function, self.messages.time)
 
     def failure(self, error: Exception, call: str, time: float = 0.0) -> RunError:
         """Describe a failed call: component, call, time in s, and what the FMU said about it."""
@@ -150,13 +150,13 @@ class Instance(ABC):
             return error
         status = ""
         if isinstance(error, FMICallException):
-            if error.status == _DISCARD and not self.journal.complaint and self._ended():
+            if error.status == _DISCARD and not self.messages.last_error and self._ended():
                 return self.asked_to_end(error.function, time)
             self._running = self._running and error.status < _ERROR  # after an error FMI allows reset and free only
             self._dead = self._dead or error.status == _FATAL
             call = error.function
             status = f" ({_STATUS.get(error.status, error.status)})"
-        reason = " ".join((self.journal.complaint or str(error)).split())
+        reason = " ".join((self.messages.last_error or str(error)).split())
         return RunError(f"{self.name}: {call} failed at t = {time:g} s{status}: {reason}")
 
     def asked_to_end(self, call: str, reached: float) -> RunError:
@@ -174,7 +174,7 @@ class Instance(ABC):
     @property
     def warnings(self) -> list[str]:
         """What the FMU warned of or printed in this run, each text once, with call and time."""
-        return self.journal.warnings
+        return self.messages.warnings
 
     # ---- wiring ------------------------------------------------------------------------------------------------------
 
@@ -204,9 +204,9 @@ class Instance(ABC):
         ]
         self._inputs = [self._port("Set", kind, names, inputs) for kind, names in self._by_kind(inputs)]
 
-    def calls(self) -> Calls | None:
+    def calls(self) -> NativeCalls | None:
         """Return what a loop in C needs, or None of an FMU that cannot be called from there."""
-        return Calls(self.STANDARD, self.fmu.component, *self._functions["DoStep"], self._inputs, self._outputs)
+        return NativeCalls(self.STANDARD, self.fmu.component, *self._functions["DoStep"], self._inputs, self._outputs)
 
     def _by_kind(self, names: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
         names = list(names)
@@ -225,13 +225,13 @@ class Instance(ABC):
         names: Sequence[str],
         places: Mapping[str, tuple[int, Linear]],
         discrete: bool = False,
-    ) -> Port:
+    ) -> VariableAccess:
         transformations = [places[name][1] for name in names]
         identical = all(transformation == IDENTITY for transformation in transformations)
         found = np.array([places[name][0] for name in names], dtype=np.int64)
         begin, end = int(found[0]), int(found[0]) + len(found)
         direct = direction == "Get" and self.C_TYPES[kind] is ctypes.c_double and found.tolist() == [*range(begin, end)]
-        return Port(
+        return VariableAccess(
             access=self._accessor(direction, kind, names, self._table[begin:end] if direct else None),
             places=found,
             factors=None if identical else np.array([t.factor for t in transformations]),
@@ -242,36 +242,36 @@ class Instance(ABC):
 
     def _accessor(
         self, direction: str, kind: str, names: Sequence[str], buffer: np.ndarray[Any, Any] | None = None
-    ) -> Access:
+    ) -> AccessCall:
         if buffer is None:
             buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
         references = (ctypes.c_uint * len(names))(*(self.model.variables[name].valueReference for name in names))
         pointer = buffer.ctypes.data_as(ctypes.POINTER(self.C_TYPES[kind]))
         function = f"{self.PREFIX}{direction}{kind}"
         arguments = self._arguments(references, len(names), pointer)
-        return Access(function, getattr(self.fmu.dll, function), arguments, references, buffer)
+        return AccessCall(function, getattr(self.fmu.dll, function), arguments, references, buffer)
 
     def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
         """Order the arguments of a getter or setter."""
         return (self.fmu.component, references, count, pointer)
 
-    def _move(self, access: Access) -> None:
+    def _move(self, access: AccessCall) -> None:
         """Move values between the FMU and a buffer."""
-        self.journal.call = access.name
+        self.messages.call = access.name
         if status := access.function(*access.arguments):
             self._judge(status, access.name)
 
-    def take_inputs(self, time: float) -> None:
+    def set_inputs(self, time: float) -> None:
         """Set all connected inputs from the table of values, at a time in s."""
-        self.journal.time = time
+        self.messages.time = time
         for port in self._inputs:
             values = self._table[port.places]
             port.access.buffer[:] = values if port.factors is None else port.factors * values + port.offsets
             self._move(port.access)
 
-    def give_outputs(self, time: float, discrete: bool | None = None) -> None:
+    def get_outputs(self, time: float, discrete: bool | None = None) -> None:
         """Get outputs into the table of values, at a time in s: all, those that are discrete, or those that are not."""
-        self.journal.time = time
+        self.messages.time = time
         for port in self._outputs:
             if discrete is None or port.discrete is discrete:
                 self._move(port.access)
@@ -294,7 +294,7 @@ class Instance(ABC):
             raise RunError(f"{self.name}: expected an FMU that can run again, got one that failed fatally")
         with self.calling("initialisation"):
             if self._initialised:
-                self.journal.clear()  # what was said in an earlier run is that run's
+                self.messages.clear()  # what was said in an earlier run is that run's
                 self._call("Reset")
             self._initialised = True
             self._begin(stop_time, values)
@@ -302,7 +302,7 @@ class Instance(ABC):
     def _call(self, function: str, *arguments: Any) -> None:
         """Call a function of the FMU that takes the instance first."""
         name, call = self._functions[function]
-        self.journal.call = name
+        self.messages.call = name
         if status := call(self.fmu.component, *arguments):
             self._judge(status, name)
 
@@ -327,9 +327,9 @@ class Instance(ABC):
 
     def step(self, time: float, step_size: float) -> None:
         """Take inputs, step from ``time`` by ``step_size`` (both in s), give outputs."""
-        self.take_inputs(time)
+        self.set_inputs(time)
         self.advance(time, step_size)
-        self.give_outputs(time)
+        self.get_outputs(time)
 
     def terminate(self, time: float = 0.0) -> None:
         """End a run at a time in s; nothing where FMI does not allow it."""
@@ -360,7 +360,7 @@ class _Calling(AbstractContextManager[None]):
         self._time = time
 
     def __enter__(self) -> None:
-        self._instance.journal.call, self._instance.journal.time = self._call, self._time
+        self._instance.messages.call, self._instance.messages.time = self._call, self._time
 
     def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
         self._instance.listen(self._call, self._time)
@@ -370,7 +370,7 @@ class _Calling(AbstractContextManager[None]):
 
 # ---- FMI 2 -----------------------------------------------------------------------------------------------------------
 
-_journals: dict[int, Journal] = {}
+_journals: dict[int, MessageLog] = {}
 _environments = count(1)
 
 
@@ -402,7 +402,7 @@ class Instance2(Instance):
 
     def _instantiate(self) -> None:
         self._environment = next(_environments)
-        _journals[self._environment] = self.journal
+        _journals[self._environment] = self.messages
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = _proxy.logger
         self._callbacks.allocateMemory = defaultCallbacks.allocateMemory
@@ -416,7 +416,7 @@ class Instance2(Instance):
         self._call("EnterInitializationMode")
 
     def advance(self, time: float, step_size: float) -> None:  # noqa: D102
-        self.journal.time = time
+        self.messages.time = time
         self._call("DoStep", time, step_size, 1)
 
     def _ended(self) -> bool:
@@ -456,14 +456,14 @@ class Instance3(Instance):
         self.fmu.instantiate(loggingOn=True, logMessage=self._log)
 
     def _log(self, environment: int | None, status: int, category: bytes, message: bytes) -> None:
-        self.journal.add(status, message.decode(errors="replace"))
+        self.messages.add(status, message.decode(errors="replace"))
 
     def _begin(self, stop_time: float, values: Mapping[str, float | str]) -> None:
         self._set(values)
         self._call("EnterInitializationMode", False, 0.0, 0.0, True, stop_time)  # no tolerance; from 0 to the stop time
 
     def advance(self, time: float, step_size: float) -> None:  # noqa: D102
-        self.journal.time = time
+        self.messages.time = time
         for flag in (self._event, self._ending, self._early):
             flag.value = False
         answers = (ctypes.byref(answer) for answer in (self._event, self._ending, self._early, self._last_time))
@@ -477,7 +477,7 @@ class Instance3(Instance):
         return (*super()._arguments(references, count, pointer), count)
 
 
-def instantiate(name: str, model: Model, folder: Path) -> Instance:
+def instantiate(name: str, model: ModelDescription, folder: Path) -> Instance:
     """Load an FMU and make an instance of it; parameters as those of :class:`Instance`.
 
     Raises
@@ -488,7 +488,7 @@ def instantiate(name: str, model: Model, folder: Path) -> Instance:
     return {2: Instance2, 3: Instance3}[model.description.fmiMajorVersion](name, model, folder)
 
 
-def extract(model: Model, folder: Path) -> None:
+def extract(model: ModelDescription, folder: Path) -> None:
     """Extract an FMU into a folder.
 
     Raises

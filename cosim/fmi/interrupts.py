@@ -25,7 +25,7 @@ _waiting: list[tuple[Any, ...]] = []
 
 
 @contextmanager
-def watched() -> Iterator[None]:
+def deferring_sigint() -> Iterator[None]:
     """Let Ctrl-C be held in some parts of a block; only the main thread hears it."""
     handler = signal.getsignal(signal.SIGINT)
     if not _in_main_thread() or not callable(handler):
@@ -42,7 +42,7 @@ def watched() -> Iterator[None]:
 
 
 @contextmanager
-def held() -> Iterator[None]:
+def critical_section() -> Iterator[None]:
     """Hold Ctrl-C back until :func:`check` or the end of the block; the second one in a row is raised at once."""
     if not _in_main_thread():
         yield

@@ -25,7 +25,7 @@ import numpy as np
 
 from cosim.errors import RunError, SetupError
 from cosim.fmi import interrupts
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Instance
 from cosim.fmi.worker import VALUES, Answer
 from cosim.units import Linear
@@ -70,7 +70,7 @@ class IsolatedInstance:
         If the FMU cannot be loaded or refuses to be instantiated, crashes or hangs in doing so.
     """
 
-    def __init__(self, name: str, model: Model, folder: Path, time_limit: float = TIME_LIMIT) -> None:
+    def __init__(self, name: str, model: ModelDescription, folder: Path, time_limit: float = TIME_LIMIT) -> None:
         if os.name != "posix":
             raise SetupError(f"{name}: expected Linux or macOS for an isolated component, got {sys.platform}")
         self.name = name
@@ -212,12 +212,12 @@ class IsolatedInstance:
     def calls(self) -> None:
         """Nothing: no loop in C can call functions of another process."""
 
-    def take_inputs(self, time: float) -> None:
+    def set_inputs(self, time: float) -> None:
         """Note the values of all connected inputs for the next call, at a time in s."""
         self._values[2:] = self._table[self._sources]
         self._fresh = False
 
-    def give_outputs(self, time: float, discrete: bool | None = None) -> None:
+    def get_outputs(self, time: float, discrete: bool | None = None) -> None:
         """Get outputs into the table of values, at a time in s: all, those that are discrete, or those that are not."""
         if not self._fresh:
             self._values[:2] = time, 0.0
@@ -244,9 +244,9 @@ class IsolatedInstance:
 
     def step(self, time: float, step_size: float) -> None:
         """Take inputs, step from ``time`` by ``step_size`` (both in s), give outputs."""
-        self.take_inputs(time)
+        self.set_inputs(time)
         self.advance(time, step_size)
-        self.give_outputs(time)
+        self.get_outputs(time)
 
     def terminate(self, time: float = 0.0) -> None:
         """End a run at a time in s."""
@@ -264,5 +264,5 @@ class IsolatedInstance:
         self._end(grace=1.0)
 
 
-Slave = Instance | IsolatedInstance
+AnyInstance = Instance | IsolatedInstance
 """What a master drives: an FMU in this process or in one of its own."""

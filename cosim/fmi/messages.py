@@ -19,7 +19,7 @@ class Entry(NamedTuple):
     time: float
 
 
-class Journal:
+class MessageLog:
     """The messages of one instance, the newest thousand of a run.
 
     Attributes
@@ -37,34 +37,34 @@ class Journal:
     def __init__(self) -> None:
         self.call = ""
         self.time = 0.0
-        self.elsewhere: Callable[[], tuple[str, float]] | None = None
+        self.native_call: Callable[[], tuple[str, float]] | None = None
         self.length = 0
         self.entries: deque[Entry] = deque(maxlen=1000)
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
 
     def clear(self) -> None:
         """Begin a run."""
         if self.entries:
             self.entries.clear()
-            self._told.clear()
+            self._reported.clear()
 
     def add(self, status: int, text: str) -> None:
         """Take a message of the FMU."""
-        self._add(status, text, *(self.elsewhere() if self.elsewhere else (self.call, self.time)))
+        self._add(status, text, *(self.native_call() if self.native_call else (self.call, self.time)))
 
     def warned(self, call: str, time: float) -> None:
         """Take note of a call at a time in s that went well with a warning, once a run; it may not have said why."""
-        if call in self._told:
+        if call in self._reported:
             return
-        self._told.add(call)
+        self._reported.add(call)
         if not any(e.status == WARNING and (e.call, e.time) == (call, time) for e in self.entries):
             self._add(WARNING, f"{call} returned a warning", call, time)
 
     def printed(self, call: str, time: float, text: str) -> None:
         """Take note of what was printed in a call at a time in s, once a run."""
         said = f"printed to stdout in {call}"
-        if said not in self._told:
-            self._told.add(said)
+        if said not in self._reported:
+            self._reported.add(said)
             self._add(WARNING, f"{said} at t = {time:g} s: {text}", "", time)
 
     def _add(self, status: int, text: str, call: str, time: float) -> None:
@@ -72,7 +72,7 @@ class Journal:
         self.length += 1
 
     @property
-    def complaint(self) -> str:
+    def last_error(self) -> str:
         """The newest message that tells of more than a warning; empty if there is none."""
         return next((entry.text for entry in reversed(self.entries) if entry.status > WARNING), "")
 

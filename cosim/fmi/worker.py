@@ -71,7 +71,7 @@ class Worker:
     def _news(self) -> bool:
         """Whether the FMU said something since the last time."""
         assert self._instance is not None
-        known, self._known = self._known, self._instance.journal.length
+        known, self._known = self._known, self._instance.messages.length
         return self._known > known
 
     def _exchange(self, values: np.ndarray[Any, Any]) -> None:
@@ -84,8 +84,8 @@ class Worker:
             if step_size:
                 self._instance.step(time, step_size)
             else:
-                self._instance.take_inputs(time)
-                self._instance.give_outputs(time)
+                self._instance.set_inputs(time)
+                self._instance.get_outputs(time)
         except Exception as error:
             raise self._instance.failure(error, call, time) from error
         finally:

@@ -32,7 +32,7 @@ class Sink(Protocol):
         """Hear that no more rows come, and whether the run reached its stop time."""
 
 
-LoopName = Literal["c", "python"]
+StepperName = Literal["c", "python"]
 """Which loop turned the crank."""
 
 
@@ -70,7 +70,7 @@ class Result:
     complete: bool = True
     error: Exception | None = None
     warnings: Sequence[str] = ()
-    loop: LoopName = "python"
+    loop: StepperName = "python"
     missed_deadlines: int = 0
     worst_lateness: float = 0.0
 

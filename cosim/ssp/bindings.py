@@ -5,7 +5,7 @@ Of bindings at one element the later wins, and what is bound further out wins ov
 
 from __future__ import annotations
 
-from cosim.engine.structure import Port
+from cosim.engine.structure import VariableRef
 from cosim.errors import SetupError
 from cosim.fmi.description import Value
 from cosim.ssp import ssd, ssv
@@ -39,7 +39,7 @@ class Bindings:
     """
 
     def __init__(self, nodes: Nodes, connections: Connections, system: ssd.System) -> None:
-        self.values: dict[Port, Value] = {}
+        self.values: dict[VariableRef, Value] = {}
         self.notes: list[str] = []
         self._nodes = nodes
         self._connections = connections
@@ -103,7 +103,7 @@ class Bindings:
             for sink, hop in self._connections.fed_by(node):
                 self._give(sink, quantity.passed(hop, self._nodes.unit(sink), where), where)
             return
-        port = Port(component_name(node.path), node.connector)
+        port = VariableRef(component_name(node.path), node.connector)
         if port not in self._nodes.structure.connections:
             try:
                 self.values[port] = set_value(self._nodes.model(node.path), *port, quantity)

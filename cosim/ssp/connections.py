@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from cosim.engine.structure import Port
+from cosim.engine.structure import VariableRef
 from cosim.errors import SetupError, did_you_mean
 from cosim.ssp import ssd
 from cosim.ssp.nodes import GIVES_INSIDE, Node, Nodes, Path, component_name
@@ -17,7 +17,7 @@ from cosim.ssp.quantities import Hop
 from cosim.units import IDENTITY, Linear
 
 
-class Feed(NamedTuple):
+class Connection(NamedTuple):
     """What feeds a node, and how its values get there."""
 
     source: Node
@@ -41,7 +41,7 @@ class Connections:
     """
 
     def __init__(self, nodes: Nodes, system: ssd.System) -> None:
-        self.feeds: dict[Node, Feed] = {}
+        self.feeds: dict[Node, Connection] = {}
         self._nodes = nodes
         self._wire(system, ())
 
@@ -95,7 +95,7 @@ class Connections:
             raise SetupError(f"{where}: expected a free {sink}, got one that {self.feeds[sink].source} feeds")
         if sink in self._way(source):
             raise SetupError(f"{where}: expected a way from a component, got a loop of systems' connectors")
-        self.feeds[sink] = Feed(source, Hop(connection.transformation, connection.suppress_unit_conversion))
+        self.feeds[sink] = Connection(source, Hop(connection.transformation, connection.suppress_unit_conversion))
 
     def _end(self, path: Path, element: str | None, connector: str, where: str) -> Node:
         inner = path if element is None else (*path, element)
@@ -129,7 +129,7 @@ class Connections:
 
     def _as_asked(self, source: Node, sink: Node, total: Linear, suppressed: bool) -> tuple[str, str, Linear, bool]:
         """Tell a mere conversion of units from what was asked for: another FMU may come that has other units."""
-        ports = [Port(component_name(end.path), end.connector) for end in (source, sink)]
+        ports = [VariableRef(component_name(end.path), end.connector) for end in (source, sink)]
         converted = self._nodes.structure.conversion(*ports)
         if total == converted and not (suppressed and converted == IDENTITY):
             return str(ports[0]), str(ports[1]), IDENTITY, True

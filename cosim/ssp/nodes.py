@@ -9,7 +9,7 @@ from fmpy.model_description import ModelVariable
 
 from cosim.engine.structure import Structure
 from cosim.errors import SetupError, did_you_mean
-from cosim.fmi.description import KINDS, Model
+from cosim.fmi.description import KINDS, ModelDescription
 from cosim.ssp import ssd
 from cosim.ssp.package import Package
 from cosim.ssp.quantities import defined
@@ -122,7 +122,7 @@ class Nodes:
             if isinstance(annotation.content, ssd.StepSizeHint):
                 self.structure.component_steps[name] = annotation.content.value
 
-    def model(self, path: Path) -> Model:
+    def model(self, path: Path) -> ModelDescription:
         """Return a component's FMU."""
         return self.structure.models[component_name(path)]
 

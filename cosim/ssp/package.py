@@ -10,7 +10,7 @@ from urllib.parse import unquote, urlsplit
 
 from cosim.errors import SetupError
 from cosim.fmi.archive import is_file, leaves, open_archive
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 
 DESCRIPTION = "SystemStructure.ssd"
 """What the description is called in an archive."""
@@ -98,14 +98,14 @@ class Package:
             return read_file(self._path.parent / name, f"a file, as {self.where.name} says")
         return self._member(name)
 
-    def model(self, uri: str) -> Model:
+    def model(self, uri: str) -> ModelDescription:
         """Read an FMU's description; parameter and errors as those of :meth:`read`."""
         name = self._name(uri)
         if self._members is None:
-            return Model.read(self._path.parent / name)
+            return ModelDescription.read(self._path.parent / name)
         self._check(name)
         try:
-            return Model.read(self._path, name)
+            return ModelDescription.read(self._path, name)
         except _DAMAGED as error:
             raise SetupError(f"{self.locate(uri)}: expected an archive that can be read, got: {error}") from None
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cosim.errors import SetupError
-from cosim.fmi.description import KINDS, Model, Value
+from cosim.fmi.description import KINDS, ModelDescription, Value
 from cosim.ssp.ssv import Given, Transformation
 from cosim.units import IDENTITY, Linear, Unit, conversion
 
@@ -142,7 +142,7 @@ def defined(name: str | None, units: Iterable[Unit], where: str) -> Unit | None:
     raise SetupError(f"{where}: expected a unit that is defined, got {name}")
 
 
-def set_value(model: Model, component: str, variable: str, quantity: Quantity) -> Value:
+def set_value(model: ModelDescription, component: str, variable: str, quantity: Quantity) -> Value:
     """Check a value for a variable of an FMU, in whose unit it has to be.
 
     Returns

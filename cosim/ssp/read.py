@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cosim.engine.structure import ALGORITHMS, Port, Structure
+from cosim.engine.structure import ALGORITHMS, Structure, VariableRef
 from cosim.errors import SetupError
 from cosim.fmi.description import Value
 from cosim.ssp import ssd, ssv
@@ -21,7 +21,7 @@ def load(path: str | Path, structure: Structure) -> None:
     What SSP has no place for is read from annotations: the step size from those of the Open Simulation Platform, the
     exchange from our own; with it, components step in the order of their elements. Start values of connected inputs
     are passed over, as the initial exchange overrides them, and so are parameters that fit no variable (as the standard
-    says); ``structure.passed_over`` names them. Connections from a calculated parameter to a parameter of another
+    says); ``structure.ignored`` names them. Connections from a calculated parameter to a parameter of another
     component, signal dictionaries as ends of connections, nested ``.ssp`` files and sources elsewhere than in the
     package are refused.
 
@@ -48,7 +48,7 @@ def load(path: str | Path, structure: Structure) -> None:
         raise SetupError(*nodes.problems)
     structure.name = description.name
     structure.parameters |= {str(port): value for port, value in bindings.values.items()}
-    structure.passed_over = tuple(bindings.notes)
+    structure.ignored = tuple(bindings.notes)
 
 
 def _take_experiment(description: ssd.Description, structure: Structure) -> None:
@@ -95,7 +95,7 @@ def read_parameters(path: str | Path, structure: Structure) -> dict[str, Value]:
     problems: list[str] = []
     for parameter in values.parameters:
         try:
-            port = Port.parse(parameter.name)
+            port = VariableRef.parse(parameter.name)
             structure.variable(port)
             model = structure.models[port.component]
             units = [*(definition.unit for definition in values.units), *model.defined_units]

@@ -9,8 +9,8 @@ from urllib.parse import quote
 
 from fmpy.model_description import ModelVariable
 
-from cosim.engine.structure import Feed, Port, Structure
-from cosim.fmi.description import KINDS, Model, Value
+from cosim.engine.structure import Connection, Structure, VariableRef
+from cosim.fmi.description import KINDS, ModelDescription, Value
 from cosim.ssp import ssd, ssv
 from cosim.ssp.nodes import connector_kind
 from cosim.ssp.package import DESCRIPTION
@@ -73,7 +73,7 @@ def parameter_set(
     units: dict[str, Unit] = {}
     written = []
     for key, value in parameters.items():
-        port = Port.parse(key)
+        port = VariableRef.parse(key)
         variable, model = structure.variable(port), structure.models[port.component]
         given, unit = _given(model, port, value), model.defined_unit(variable)
         if given.kind == "Real" and unit is not None:
@@ -115,7 +115,7 @@ def _units(structure: Structure) -> dict[str, Unit]:
     return units
 
 
-def _connected(model: Model) -> list[ModelVariable]:
+def _connected(model: ModelDescription) -> list[ModelVariable]:
     """List the variables that get a connector: all that can be connected."""
     return [v for v in model.variables.values() if v.causality in ("input", "output") and KINDS[v.type] in ssv.KINDS]
 
@@ -135,7 +135,7 @@ def _component(structure: Structure, name: str, source: str, units: Mapping[str,
     )
 
 
-def _type(model: Model, variable: ModelVariable, units: Mapping[str, Unit]) -> ssd.Type | None:
+def _type(model: ModelDescription, variable: ModelVariable, units: Mapping[str, Unit]) -> ssd.Type | None:
     """Describe a variable's type; enumerations and units of a name that is taken are left to the FMU."""
     kind = KINDS[variable.type]
     unit = model.defined_unit(variable)
@@ -146,7 +146,7 @@ def _type(model: Model, variable: ModelVariable, units: Mapping[str, Unit]) -> s
 def _bindings(structure: Structure, component: str) -> tuple[ssd.ParameterBinding, ...]:
     """Bind a component's parameters at the component itself, where all tools look."""
     model = structure.models[component]
-    ports = {Port.parse(name): value for name, value in structure.parameters.items()}
+    ports = {VariableRef.parse(name): value for name, value in structure.parameters.items()}
     given = tuple(
         ssv.Parameter(name=port.variable, given=_given(model, port, value))
         for port, value in ports.items()
@@ -156,7 +156,7 @@ def _bindings(structure: Structure, component: str) -> tuple[ssd.ParameterBindin
     return (ssd.ParameterBinding(values=values),) if given else ()
 
 
-def _given(model: Model, port: Port, value: Value) -> ssv.Given:
+def _given(model: ModelDescription, port: VariableRef, value: Value) -> ssv.Given:
     """Write down a parameter's value."""
     variable = model.variable(*port)
     kind, checked = KINDS[variable.type], model.value(*port, value)
@@ -169,7 +169,7 @@ def _given(model: Model, port: Port, value: Value) -> ssv.Given:
     return ssv.Given(kind=kind, text=codecs[kind].write(int(checked) if kind == "Integer" else checked))
 
 
-def _connection(structure: Structure, sink: Port, feed: Feed) -> ssd.Connection:
+def _connection(structure: Structure, sink: VariableRef, feed: Connection) -> ssd.Connection:
     """Write down a connection, its conversion of units as a transformation: not all tools convert units."""
     source = feed.source
     units = [structure.models[port.component].defined_unit(structure.variable(port)) for port in (source, sink)]

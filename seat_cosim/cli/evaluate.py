@@ -26,7 +26,7 @@ from seat_cosim.cli.seat_options import (
     observer_option,
 )
 from seat_cosim.evaluation.seat import passive_seat, ports
-from seat_cosim.evaluation.system import Subject
+from seat_cosim.evaluation.system import EvaluatedSystem
 from seat_cosim.scenarios import control, seat_suspension
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def evaluate(
     found = ports(shaker).found_in(system, {name: text for name, text in names.items() if text})
     reference = seat_suspension(seats)
     subjects = [
-        Subject(_title(system, choices), system, found),
+        EvaluatedSystem(_title(system, choices), system, found),
         passive_seat(reference, parameter_sets([passive], reference)),
     ]
     for subject in subjects:

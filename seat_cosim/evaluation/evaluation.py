@@ -20,7 +20,7 @@ from cosim.errors import CosimError, RunError, SetupError, SignalError
 from cosim.metrics import Ride, actuator, daily_vdv, deflection_range, end_stops, ride, seat_factor
 from cosim.results.result import Result
 from cosim.system import System
-from seat_cosim.evaluation.system import Subject
+from seat_cosim.evaluation.system import EvaluatedSystem
 
 SEAT_LIMITS = {
     "EM1": 1.1,
@@ -196,12 +196,12 @@ class Evaluation:
         What its FMUs said, each text once.
     """
 
-    subject: Subject
+    subject: EvaluatedSystem
     cells: Mapping[tuple[str, float], Cell]
     warnings: list[str] = field(default_factory=list)
 
 
-def check(subject: Subject, protocol: Protocol) -> None:
+def check(subject: EvaluatedSystem, protocol: Protocol) -> None:
     """Check all that can be checked before an FMU is loaded.
 
     Raises
@@ -232,7 +232,7 @@ def _rate(system: System) -> float:
 
 
 def evaluate(
-    subjects: Sequence[Subject],
+    subjects: Sequence[EvaluatedSystem],
     protocol: Protocol,
     processes: int = 1,
     progress: Callable[[int, int], None] = lambda done, of: None,
@@ -281,7 +281,7 @@ def evaluate(
     return found
 
 
-_Job = tuple[Subject, str]
+_Job = tuple[EvaluatedSystem, str]
 _Done = tuple[list[Cell], list[str]]
 
 
@@ -311,7 +311,7 @@ def _spread(
         return [future.result() for future in futures]
 
 
-def ride_class(subject: Subject, kind: str, protocol: Protocol) -> _Done:
+def ride_class(subject: EvaluatedSystem, kind: str, protocol: Protocol) -> _Done:
     """Let all drivers ride one class, with the FMUs loaded once.
 
     Returns
@@ -351,7 +351,7 @@ def ride_class(subject: Subject, kind: str, protocol: Protocol) -> _Done:
     return cells, list(warnings)
 
 
-def measure(subject: Subject, result: Result, rate: float, settle: float) -> Run:
+def measure(subject: EvaluatedSystem, result: Result, rate: float, settle: float) -> Run:
     """Take the metrics of one ride.
 
     Parameters

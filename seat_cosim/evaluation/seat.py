@@ -7,11 +7,11 @@ from dataclasses import replace
 
 from cosim.fmi.description import Value
 from cosim.system import System
-from seat_cosim.evaluation.system import Ports, Subject
+from seat_cosim.evaluation.system import EvaluatedSystem, SignalMap
 from seat_cosim.scenarios import control, driver_mass
 
 
-def ports(shaker: str = "shaker") -> Ports:
+def ports(shaker: str = "shaker") -> SignalMap:
     """Name what an evaluation takes of the seat suspension.
 
     Parameters
@@ -19,7 +19,7 @@ def ports(shaker: str = "shaker") -> Ports:
     shaker
         What the component is called that is our Shaker.
     """
-    return Ports(
+    return SignalMap(
         floor=f"{shaker}.floor_acceleration",
         seat="seat.driver_acceleration",
         driver_mass=tuple(driver_mass(0.0)),
@@ -32,7 +32,7 @@ def ports(shaker: str = "shaker") -> Ports:
     )
 
 
-def passive_seat(system: System, parameters: Mapping[str, Value]) -> Subject:
+def passive_seat(system: System, parameters: Mapping[str, Value]) -> EvaluatedSystem:
     """Take a passive seat to an evaluation.
 
     Parameters
@@ -43,4 +43,4 @@ def passive_seat(system: System, parameters: Mapping[str, Value]) -> Subject:
         What makes it a passive one, beside its controller being off.
     """
     system.parameters |= {**control(False), **parameters}
-    return Subject("passive seat", system, replace(ports(), force=None))
+    return EvaluatedSystem("passive seat", system, replace(ports(), force=None))

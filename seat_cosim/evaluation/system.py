@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.engine.structure import Port
+from cosim.engine.structure import VariableRef
 from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.description import Value
 from cosim.system import System
@@ -22,7 +22,7 @@ _METRE, _ACCELERATION, _NEWTON = (
 
 
 @dataclass(frozen=True)
-class Ports:
+class SignalMap:
     """Which variables of a system are meant, each as ``component.variable``.
 
     Attributes
@@ -71,7 +71,7 @@ class Ports:
             **dict.fromkeys(self.driver_mass, mass),
         }
 
-    def found_in(self, system: System, given: Mapping[str, Any]) -> Ports:
+    def found_in(self, system: System, given: Mapping[str, Any]) -> SignalMap:
         """Take these names for a system, others where they are given.
 
         Parameters
@@ -120,24 +120,24 @@ class Ports:
         parameters = (*self.driver_mass, *self.excitation, self.excitation_class, self.seed, self.travel)
         for name in filter(None, parameters):
             try:
-                system.variable(Port.parse(name))
+                system.variable(VariableRef.parse(name))
             except SetupError as error:
                 problems += error.problems
         return list(dict.fromkeys(problems))
 
 
 def _exists(system: System, name: str) -> bool:
-    port = Port.parse(name)
+    port = VariableRef.parse(name)
     return port.component in system.models and port.variable in system.models[port.component].variables
 
 
 def _unit(system: System, name: str) -> Unit | None:
-    model = system.models[Port.parse(name).component]
-    return model.defined_unit(model.variable(*Port.parse(name)))
+    model = system.models[VariableRef.parse(name).component]
+    return model.defined_unit(model.variable(*VariableRef.parse(name)))
 
 
 @dataclass(frozen=True)
-class Subject:
+class EvaluatedSystem:
     """What is evaluated.
 
     Attributes
@@ -152,14 +152,14 @@ class Subject:
 
     title: str
     system: System
-    ports: Ports
+    ports: SignalMap
 
     @property
     def travel(self) -> float | None:
         """Deflection in m, each way, at which the end stops are met; None where there are none."""
         if self.ports.travel is None:
             return None
-        component, variable = Port.parse(self.ports.travel)
+        component, variable = VariableRef.parse(self.ports.travel)
         given = self.system.check({})[component].get(variable, self.system.start(self.ports.travel))
         return float(given) or None
 

@@ -20,7 +20,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from cosim import RunError, System
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import extract, instantiate
 from fmus.component import Component
 from fmus.export import native_fmu as native_build
@@ -297,7 +297,7 @@ def test_contradicting_parameters_fail_on_leaving_the_initialisation(native: Pat
 
 @pytest.mark.parametrize("flavour", NATIVE)
 def test_a_tuned_mass_takes_effect_at_the_next_sample(native: Path, flavour: str, tmp_path: Path):
-    model = Model.read(native / flavour / "SeatController.fmu")
+    model = ModelDescription.read(native / flavour / "SeatController.fmu")
     extract(model, tmp_path)
     forces = []
     for tuned_before in (True, False):
@@ -312,7 +312,7 @@ def test_a_tuned_mass_takes_effect_at_the_next_sample(native: Path, flavour: str
             with pytest.raises(FMICallException):
                 instance._set({"observer_gamma": -1e-6})
             assert (
-                "observer_gamma: a fixed parameter may not be set while stepping" in instance.journal.entries[-1].text
+                "observer_gamma: a fixed parameter may not be set while stepping" in instance.messages.entries[-1].text
             )
         finally:
             instance.free()

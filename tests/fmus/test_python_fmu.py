@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Instance, extract, instantiate
 from seat_cosim.components import COMPONENTS, EXPERIMENT
 
@@ -50,12 +50,12 @@ class Host:
 
     @property
     def messages(self) -> list[str]:
-        return [entry.text for entry in self.instance.journal.entries]
+        return [entry.text for entry in self.instance.messages.entries]
 
 
 @contextmanager
 def hosted(path: Path, folder: Path) -> Iterator[Host]:
-    model = Model.read(path)
+    model = ModelDescription.read(path)
     if not folder.exists():
         extract(model, folder)
     instance = instantiate("it", model, folder)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from cosim.engine.structure import Port, Structure
+from cosim.engine.structure import Structure, VariableRef
 from cosim.units import IDENTITY
 
 TOOLS = Path(sys.executable).parent
@@ -29,7 +29,7 @@ def shown_as(signal: str) -> str:
 def configuration(system: Structure, step_size: float, signals: Sequence[str], sequential: bool) -> dict[str, Any]:
     """Write a system in the tool's words; components are called ``NAME.fmu``, in the order in which they step."""
 
-    def words(port: Port) -> list[str]:
+    def words(port: VariableRef) -> list[str]:
         return [f"{port.component}.fmu", port.variable]
 
     transformed = [str(sink) for sink, feed in system.connections.items() if feed.transformation != IDENTITY]
@@ -46,8 +46,8 @@ def configuration(system: Structure, step_size: float, signals: Sequence[str], s
         "auto_output": False,
         "fmu": [f"{name}.fmu" for name in system.order],
         "link": [[*words(feed.source), *words(sink)] for sink, feed in system.connections.items()],
-        "output": [[*words(Port.parse(signal)), shown_as(signal)] for signal in signals],
-        "start": [[*words(Port.parse(name)), value] for name, value in system.parameters.items()],
+        "output": [[*words(VariableRef.parse(signal)), shown_as(signal)] for signal in signals],
+        "start": [[*words(VariableRef.parse(name)), value] for name, value in system.parameters.items()],
     }
 
 

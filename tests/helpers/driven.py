@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Instance, extract, instantiate
 
 
@@ -54,13 +54,13 @@ class Driven:
 
     @property
     def said(self) -> str:
-        return self._instance.journal.entries[-1].text
+        return self._instance.messages.entries[-1].text
 
 
 @contextmanager
 def driven(fmu: Path, folder: Path) -> Iterator[Driven]:
     """Load an FMU, to be stepped by hand."""
-    model = Model.read(fmu)
+    model = ModelDescription.read(fmu)
     extract(model, folder)
     instance = instantiate(fmu.stem, model, folder)
     try:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Instance, extract, instantiate
 from seat_controller_fmu.parameters import SAMPLE_TIME
 
@@ -80,7 +80,7 @@ class Rig:
         self._references: dict[str, int] = {}
         for name, fmu in (("seat", "SeatPlant"), ("controller", "SeatController")):
             folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
-            model = Model.read(fmus / f"{fmu}.fmu")
+            model = ModelDescription.read(fmus / f"{fmu}.fmu")
             extract(model, folder)
             instance = instantiate(name, model, folder)
             self._stack.callback(instance.free)

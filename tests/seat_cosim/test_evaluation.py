@@ -16,7 +16,7 @@ from seat_cosim.cli.options import parameter_sets
 from seat_cosim.evaluation.evaluation import COLUMNS, Cell, Evaluation, Protocol, Run, evaluate
 from seat_cosim.evaluation.report import verdict, write
 from seat_cosim.evaluation.seat import passive_seat, ports
-from seat_cosim.evaluation.system import Subject
+from seat_cosim.evaluation.system import EvaluatedSystem
 from seat_cosim.scenarios import control, driver_mass, seat_suspension
 from tests.helpers.shell import Shell
 
@@ -24,13 +24,13 @@ SHORT = Protocol(classes=("EM3",), masses=(80.0,), seeds=(4, 5), duration=12.0, 
 TINY = ("--classes", "EM3", "--masses", "80", "--seeds", "4,5", "--duration", "12", "--settle", "2", "--processes", "1")
 
 
-def subject(folder: Path, title: str = "seat", **parameters: float | bool) -> Subject:
+def subject(folder: Path, title: str = "seat", **parameters: float | bool) -> EvaluatedSystem:
     system = seat_suspension(folder)
     system.parameters |= {name.replace("__", "."): value for name, value in parameters.items()}
-    return Subject(title, system, ports())
+    return EvaluatedSystem(title, system, ports())
 
 
-def passive(folder: Path) -> Subject:
+def passive(folder: Path) -> EvaluatedSystem:
     system = seat_suspension(folder)
     return passive_seat(system, parameter_sets(["passive"], system))
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cosim import System
-from cosim.engine.structure import Port
+from cosim.engine.structure import VariableRef
 from cosim.units import Linear
 from seat_cosim.scenarios import seat_suspension
 from tests.helpers.files import read_csv
@@ -83,7 +83,7 @@ def test_an_fmu_is_replaced_and_the_system_saved(shell: Shell, ssp: str, foreign
     assert "0.001 x" in out
     assert "warning: seat.floor_signals: set to displacement" in err
     saved = System.load(tmp_path / "cab.ssp")
-    assert saved.connections[Port("seat", "floor_displacement")].transformation == Linear(0.001)
+    assert saved.connections[VariableRef("seat", "floor_displacement")].transformation == Linear(0.001)
     assert json.loads((tmp_path / "there" / "run.json").read_text())["complete"]
 
 

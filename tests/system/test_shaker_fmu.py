@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cosim import System
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Instance, extract, instantiate
 from seat_cosim.scenarios import SCENARIOS, seat_suspension
 from tests.helpers.paths import NATIVE
@@ -48,7 +48,7 @@ def test_flavours_agree_to_the_last_bit(fmus: Path, native: Path, profile: str, 
 
 @contextmanager
 def two_instances(path: Path, folder: Path) -> Iterator[list[Instance]]:
-    model = Model.read(path)
+    model = ModelDescription.read(path)
     extract(model, folder)
     with ExitStack() as stack:
         instances = [instantiate(name, model, folder) for name in ("one", "other")]

@@ -8,7 +8,7 @@ import pytest
 
 from cosim import SetupError, System
 from cosim.engine.editing import edit, parse_source
-from cosim.engine.structure import Port
+from cosim.engine.structure import VariableRef
 from cosim.units import IDENTITY, Linear
 
 
@@ -44,16 +44,16 @@ def test_an_fmu_with_the_same_names_is_dropped_in(system: System, native: Path):
 
 def test_a_floor_in_another_unit_and_of_another_name(system: System, foreign: Path):
     system.replace("shaker", foreign / "Cabin.fmu", {"seat.floor_displacement": "0.001*z"})
-    feed = system.connections[Port("seat", "floor_displacement")]
+    feed = system.connections[VariableRef("seat", "floor_displacement")]
     assert (str(feed.source), feed.transformation) == ("shaker.z", Linear(0.001))
-    assert Port("seat", "floor_velocity") not in system.connections
+    assert VariableRef("seat", "floor_velocity") not in system.connections
     assert [note for note in system.notes() if note.startswith("seat.floor_signals: set to displacement")]
     assert system.check({})["seat"]["floor_signals"] == 2.0
 
 
 def test_a_declared_unit_is_converted(system: System, foreign: Path):
     system.replace("shaker", foreign / "Truck.fmu", {"seat.floor_acceleration": "acc"})
-    assert system.connections[Port("seat", "floor_acceleration")].transformation == Linear(9.80665)
+    assert system.connections[VariableRef("seat", "floor_acceleration")].transformation == Linear(9.80665)
     assert system.check({})["seat"]["floor_signals"] == 4.0
 
 
@@ -70,7 +70,7 @@ def test_a_seat_of_other_names_is_wired_both_ways(system: System, foreign: Path)
         },
     )
     assert len(system.connections) == 5
-    assert system.connections[Port("controller", "suspension_deflection")].transformation == Linear(0.001)
+    assert system.connections[VariableRef("controller", "suspension_deflection")].transformation == Linear(0.001)
     assert system.notes() == []
 
 
@@ -107,7 +107,7 @@ def test_two_fmus_are_replaced_at_once(system: System, foreign: Path):
     edit(
         system,
         {"seat": foreign / "Chair.fmu", "controller": foreign / "Skyhook.fmu"},
-        ["seat.dzv"] if Port("seat", "dzv") in system.connections else [],
+        ["seat.dzv"] if VariableRef("seat", "dzv") in system.connections else [],
         [
             ("shaker.floor_displacement", IDENTITY, "seat.zv"),
             ("seat.acc_seat", IDENTITY, "controller.acc"),
@@ -121,7 +121,7 @@ def test_two_fmus_are_replaced_at_once(system: System, foreign: Path):
 def test_a_new_connection_takes_the_place_of_a_replaced_one_only(system: System, native: Path):
     same = native / "fmi3" / "Shaker.fmu"
     system.replace("shaker", same, {"seat.floor_displacement": "-1*floor_displacement"})
-    assert system.connections[Port("seat", "floor_displacement")].transformation == Linear(-1.0)
+    assert system.connections[VariableRef("seat", "floor_displacement")].transformation == Linear(-1.0)
     with pytest.raises(SetupError, match=r"seat.force: expected|expected a free input, got one that controller.force"):
         system.replace("shaker", same, {"seat.force": "floor_displacement"})
 

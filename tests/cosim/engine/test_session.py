@@ -14,11 +14,11 @@ import pytest
 import fmus.export.build as builder
 from cosim import RunError, SetupError, System
 from cosim.engine.clock import Clock
-from cosim.results.result import COMPLETE, PARTIAL, LoopName
+from cosim.results.result import COMPLETE, PARTIAL, StepperName
 from seat_cosim.components import COMPONENTS, EXPERIMENT
 
 H = 0.002
-LOOPS: tuple[LoopName, ...] = ("c", "python")
+LOOPS: tuple[StepperName, ...] = ("c", "python")
 
 FAULT = "if time + step_size > 0.1001: {}"
 FAULTS = {
@@ -124,7 +124,7 @@ def test_csv_reads_back_to_the_same_bits(system: System, tmp_path: Path):
     ],
 )
 def test_a_failing_fmu_loses_nothing(
-    system: System, faulty: dict[str, Path], tmp_path: Path, name: str, said: str, rows: int, loop: LoopName
+    system: System, faulty: dict[str, Path], tmp_path: Path, name: str, said: str, rows: int, loop: StepperName
 ):
     good = system.simulate(0.2, H)
     system.add("bad", faulty[name])
@@ -142,7 +142,7 @@ def test_a_failing_fmu_loses_nothing(
 
 
 @pytest.mark.parametrize("loop", LOOPS)
-def test_an_interrupted_run_keeps_its_rows(system: System, loop: LoopName):
+def test_an_interrupted_run_keeps_its_rows(system: System, loop: StepperName):
     reached: list[float] = []
 
     def interrupt(time: float) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from cosim import SetupError, System
-from cosim.engine.structure import Port
-from cosim.fmi.description import Model
+from cosim.engine.structure import VariableRef
+from cosim.fmi.description import ModelDescription
 from cosim.units import IDENTITY, Linear, Unit, conversion
 from tests.helpers.files import edited
 
@@ -66,7 +66,7 @@ def test_one_dimension_in_two_units_is_converted(fmus: Path, tmp_path: Path, pai
     )
     pair.add("other", millimetres)
     pair.connect("other.floor_displacement", "seat.floor_displacement")
-    assert pair.connections[Port("seat", "floor_displacement")].transformation == Linear(0.001)
+    assert pair.connections[VariableRef("seat", "floor_displacement")].transformation == Linear(0.001)
     result = pair.simulate(0.02, 0.002, {"seat.floor_signals": "all"})
     held = result["seat.seat_displacement"] - result["seat.suspension_deflection"]  # the floor of the step before
     assert held[1:] == pytest.approx(1e-3 * result["other.floor_displacement"][:-1], rel=1e-9)
@@ -132,36 +132,36 @@ def test_component_names(fmus: Path, pair: System):
 
 def test_files_that_are_no_fmus(fmus: Path, tmp_path: Path):
     with pytest.raises(SetupError, match=r"nowhere\.fmu: expected an FMU, got no such file"):
-        Model.read(tmp_path / "nowhere.fmu")
+        ModelDescription.read(tmp_path / "nowhere.fmu")
     (tmp_path / "text.fmu").write_text("hello")
     with pytest.raises(SetupError, match="expected an FMU .a zip archive., got another kind of file"):
-        Model.read(tmp_path / "text.fmu")
+        ModelDescription.read(tmp_path / "text.fmu")
     with zipfile.ZipFile(tmp_path / "empty.fmu", "w") as archive:
         archive.writestr("readme.txt", "nothing")
     with pytest.raises(SetupError, match=r"expected a modelDescription\.xml in the archive, got none"):
-        Model.read(tmp_path / "empty.fmu")
+        ModelDescription.read(tmp_path / "empty.fmu")
     with zipfile.ZipFile(tmp_path / "broken.fmu", "w") as archive:
         archive.writestr("modelDescription.xml", "<fmiModelDescription")
     with pytest.raises(SetupError, match=r"broken\.fmu/modelDescription\.xml: expected XML, got"):
-        Model.read(tmp_path / "broken.fmu")
+        ModelDescription.read(tmp_path / "broken.fmu")
     shutil.copy(fmus / "Shaker.fmu", tmp_path / "cut.fmu")
     with (tmp_path / "cut.fmu").open("r+b") as stream:
         stream.truncate(1000)
     with pytest.raises(SetupError, match="got another kind of file"):
-        Model.read(tmp_path / "cut.fmu")
+        ModelDescription.read(tmp_path / "cut.fmu")
 
 
 def test_other_kinds_of_fmus_are_refused(fmus: Path, tmp_path: Path):
     one = edited(fmus / "Shaker.fmu", tmp_path / "one.fmu", ("CoSimulation", "ModelExchange"))
     with pytest.raises(SetupError, match="expected FMI 2.0 or 3.0 for co-simulation, got FMI 2.0, no co-simulation"):
-        Model.read(one)
+        ModelDescription.read(one)
 
 
 def test_an_fmu_without_a_binary_for_this_platform_is_refused(fmus: Path, tmp_path: Path):
     with zipfile.ZipFile(fmus / "Shaker.fmu") as archive, zipfile.ZipFile(tmp_path / "bare.fmu", "w") as copy:
         copy.writestr("modelDescription.xml", archive.read("modelDescription.xml"))
     with pytest.raises(SetupError, match=r"bare\.fmu: expected a binary for .*, got none"):
-        Model.read(tmp_path / "bare.fmu")
+        ModelDescription.read(tmp_path / "bare.fmu")
 
 
 def test_parameters_are_checked_together(pair: System):

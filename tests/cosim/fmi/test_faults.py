@@ -22,8 +22,8 @@ import pytest
 from cosim import Result, RunError, SetupError, System
 from cosim.fmi import archive as archives
 from cosim.fmi import isolated
-from cosim.fmi.interrupts import held, watched
-from cosim.results.result import LoopName
+from cosim.fmi.interrupts import critical_section, deferring_sigint
+from cosim.results.result import StepperName
 from tests.helpers.faulty import faulty_fmu
 
 H = 0.01
@@ -67,7 +67,7 @@ def build(faulty_folder: Path) -> Build:
     return make
 
 
-def run(system: System, *isolate: str, time_limit: float = 1.0, loop: LoopName | None = None) -> Result:
+def run(system: System, *isolate: str, time_limit: float = 1.0, loop: StepperName | None = None) -> Result:
     return system.simulate(0.3, H, isolate=isolate, time_limit=time_limit, loop=loop)
 
 
@@ -136,7 +136,7 @@ def test_a_failing_fmu_ends_the_run_and_loses_nothing(
     build: Build,
     trace: Path,
     isolate: tuple[str, ...],
-    loop: LoopName,
+    loop: StepperName,
     what: str,
     where: str,
     fmi: int,
@@ -352,7 +352,7 @@ def alive(pid: int) -> bool:
 @pytest.mark.parametrize(
     ("where", "rows"), [("step", STRIKE + 1), ("set", STRIKE + 1), ("get", STRIKE), ("terminate", 31)]
 )
-def test_ctrl_c_in_a_call_of_a_run_keeps_its_rows(build: Build, trace: Path, where: str, rows: int, loop: LoopName):
+def test_ctrl_c_in_a_call_of_a_run_keeps_its_rows(build: Build, trace: Path, where: str, rows: int, loop: StepperName):
     result = run(build("interrupts", where), loop=loop)
     assert not result.complete
     reached = rows if loop == "python" or rows == 31 else len(result.time)  # C looks after a chunk of steps
@@ -389,7 +389,7 @@ def test_a_second_ctrl_c_does_not_wait():
     reached = []
 
     def insist() -> None:
-        with watched(), held():
+        with deferring_sigint(), critical_section():
             for time in (1, 2, 3):
                 reached.append(time)
                 signal.raise_signal(signal.SIGINT)
@@ -447,7 +447,7 @@ def test_what_is_printed_in_a_step_is_attributed_as_far_as_it_can_be(build: Buil
 @each_loop
 @pytest.mark.parametrize("where", STEPPING)
 def test_who_prints_in_every_step_is_found_out(
-    build: Build, capfd: pytest.CaptureFixture[str], where: str, loop: LoopName
+    build: Build, capfd: pytest.CaptureFixture[str], where: str, loop: StepperName
 ):
     system = build("prints", where)
     sound = build().simulate(30.0, H)

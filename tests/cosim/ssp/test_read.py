@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cosim import SetupError, System
-from cosim.engine.structure import Port
+from cosim.engine.structure import VariableRef
 from cosim.ssp import read_parameters, ssd, ssv
 from cosim.ssp.package import DESCRIPTION
 from cosim.ssp.xml import write_document
@@ -97,7 +97,7 @@ def test_a_saved_system_is_loaded_as_it_was(native: Path, tmp_path: Path, flavou
     assert loaded.connections == system.connections
     assert (loaded.name, loaded.order) == ("SeatSuspension", ("controller", "seat", "shaker"))
     assert (loaded.stop_time, loaded.step_size, loaded.algorithm) == (3.0, 0.002, "gauss-seidel")
-    assert loaded.passed_over == ()
+    assert loaded.ignored == ()
     same_trajectory(system, loaded)
 
 
@@ -248,7 +248,7 @@ def test_transformations_of_a_way_come_in_its_order(seat_ssp: Path, tmp_path: Pa
             joined("through.out", "seat.force", transformation=linear(11.0, 13.0)),
         ),
     )
-    feed = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit)).connections[Port("seat", "force")]
+    feed = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit)).connections[VariableRef("seat", "force")]
     assert feed.transformation(1.0) == 11.0 * (5.0 * (2.0 * 1.0 + 3.0) + 7.0) + 13.0
 
 
@@ -267,7 +267,7 @@ def test_an_outermost_input_stays_free_and_takes_a_start_value(seat_ssp: Path, t
         bindings=(ssd.ParameterBinding(values=values(push=real(3.0))),),
     )
     system = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit))
-    assert Port("seat", "force") not in system.connections
+    assert VariableRef("seat", "force") not in system.connections
     assert system.parameters == {"seat.force": -5.0}
 
 
@@ -436,7 +436,7 @@ def test_names_that_fit_nothing_and_starts_of_fed_inputs_are_passed_over(seat_ss
     system = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit))
     assert system.parameters == {}
     where = f"{tmp_path / 'a.ssp' / DESCRIPTION}: parameter"
-    assert system.passed_over == (
+    assert system.ignored == (
         f"{where} seat.weight: passed over, as there is no seat.weight in the system",
         f"{where} bench.x: passed over, as there is no bench.x in the system",
     )

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 from cosim import System
 from cosim.errors import SetupError, reading
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import extract
 from cosim.manifest import Manifest
 from cosim.results import formats
@@ -81,7 +81,7 @@ def load_and_check(path: Path) -> None:
 
 def read_and_use(path: Path) -> None:
     """Read an FMU, and ask all that a system asks of one that it holds."""
-    model = Model.read(path)
+    model = ModelDescription.read(path)
     system = System()
     system.add("it", model)
     system.clock(1.0)

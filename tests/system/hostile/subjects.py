@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cosim.fmi.description import KINDS, Model
+from cosim.fmi.description import KINDS, ModelDescription
 from cosim.fmi.instance import extract
 from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME
 from fmus.export.native_fmu import STANDARDS, source_files
@@ -79,7 +79,7 @@ def _kind(variable: Any) -> str:
     return "Integer" if kind == "Enumeration" else str(kind)
 
 
-def _settable(model: Model) -> Iterator[Settable]:
+def _settable(model: ModelDescription) -> Iterator[Settable]:
     for variable in model.variables.values():
         if variable.causality not in ("parameter", "input"):
             continue
@@ -103,7 +103,7 @@ def _settable(model: Model) -> Iterator[Settable]:
 
 def subject(fmu: Path, flavour: str, folder: Path) -> Subject:
     """Extract an FMU to a folder and describe it."""
-    model = Model.read(fmu)
+    model = ModelDescription.read(fmu)
     place = folder / flavour / fmu.stem
     extract(model, place)
     version = model.description.fmiMajorVersion

@@ -14,7 +14,7 @@ import pytest
 
 from cosim import SetupError, System
 from cosim.fmi.archive import open_archive
-from cosim.fmi.description import Model
+from cosim.fmi.description import ModelDescription
 from cosim.manifest import Manifest
 from cosim.results import formats
 from fmus.component import ParameterError
@@ -263,10 +263,10 @@ def test_refused_states_leave_no_memory_behind(bench: Bench, flavour: str):
 )
 def test_what_a_description_says_is_looked_at_as_it_is_read(native: Path, tmp_path: Path, old: str, new: str):
     with pytest.raises(SetupError, match=r"it\.fmu.*: expected"):
-        Model.read(edited(native / "fmi2" / "Shaker.fmu", tmp_path / "it.fmu", (old, new)))
+        ModelDescription.read(edited(native / "fmi2" / "Shaker.fmu", tmp_path / "it.fmu", (old, new)))
 
 
-@pytest.mark.parametrize("read_it", [Model.read, System.load, lambda p: formats.read(p.with_suffix(".csv"))])
+@pytest.mark.parametrize("read_it", [ModelDescription.read, System.load, lambda p: formats.read(p.with_suffix(".csv"))])
 def test_a_name_that_no_file_can_have_is_that_of_none(read_it, tmp_path: Path):
     with pytest.raises(SetupError, match="got no such file"):
         read_it(tmp_path / ("x" * 300))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cosim import System
-from cosim.engine.structure import Port
+from cosim.engine.structure import VariableRef
 from cosim.units import Linear
 from seat_cosim.scenarios import driver_mass, seat_suspension
 from tests.helpers.files import edited
@@ -84,7 +84,7 @@ def test_conversions_of_units_reach_masters_that_know_no_units(peer: str, native
     for signal, factor in (("floor_displacement", -1.0), ("floor_velocity", -0.001), ("floor_acceleration", -0.001)):
         system.disconnect(f"seat.{signal}")
         system.connect(f"mm.{signal}", f"seat.{signal}", Linear(factor))
-    assert system.connections[Port("seat", "floor_displacement")].transformation == Linear(-0.001)
+    assert system.connections[VariableRef("seat", "floor_displacement")].transformation == Linear(-0.001)
     system.parameters = {"mm.bump.height": 50.0}
     assert np.less(in_both(peer, system, tmp_path), BOUNDS).all()
 
