@@ -37,7 +37,7 @@ def seconds(action: Callable[[], object]) -> float:
 
 def step_cost(system: System, isolate: tuple[str, ...]) -> float:
     """Median time of a step in us, and of opening and closing the session in s."""
-    with system.open(isolate=isolate, divert_stdout=False) as session:
+    with system.open(isolate=isolate, capture_stdout=False) as session:
         session.run(0.1, H)
         return median(seconds(lambda: session.run(STEPS * H, H)) for _ in range(REPEATS)) / STEPS * 1e6
 

@@ -218,8 +218,8 @@ def main(fmus: Path, ssp: Path, python: str) -> None:
         def c_program() -> float:
             return float(subprocess.run([executable, rows], capture_output=True, text=True, check=True).stdout)
 
-        def ours(loop: str) -> Callable[[], float]:
-            return lambda: timed(lambda: session.run(STEPS * H, H, record=SIGNALS, loop=loop))  # type: ignore[arg-type]
+        def ours(stepper: str) -> Callable[[], float]:
+            return lambda: timed(lambda: session.run(STEPS * H, H, record=SIGNALS, stepper=stepper))  # type: ignore[arg-type]
 
         masters: dict[str, tuple[bool, Callable[[], float]]] = {
             "C program, dlopen": (True, c_program),
@@ -241,7 +241,7 @@ def main(fmus: Path, ssp: Path, python: str) -> None:
                     except Exception as error:  # a peer's; ours have no reason to fail
                         console.print(f"{name} is left out: {error}", markup=False)
                         del masters[name]
-        equal = same(session.run(STEPS * H, H, record=SIGNALS, loop="c"), rows)
+        equal = same(session.run(STEPS * H, H, record=SIGNALS, stepper="c"), rows)
         further = further_run(session)
     table = Table("master", box=SIMPLE, title=f"{STEPS} steps of {1e3 * H:g} ms", title_justify="left")
     for title in ("us per step", "quickest", "against C", "quickest", "against ours"):

@@ -26,6 +26,38 @@ class SetupError(CosimError):
         self.problems = problems
 
 
+class Problems:
+    """Collects the problems of several checks, so that all are reported at once.
+
+    Attributes
+    ----------
+    found
+        One line for each problem.
+    """
+
+    def __init__(self) -> None:
+        self.found: list[str] = []
+
+    @contextmanager
+    def collected(self) -> Iterator[None]:
+        """Add the problems of a :class:`SetupError` that is raised inside."""
+        try:
+            yield
+        except SetupError as error:
+            self.found += error.problems
+
+    def raise_any(self) -> None:
+        """Raise what was found.
+
+        Raises
+        ------
+        SetupError
+            With all problems, if there are any.
+        """
+        if self.found:
+            raise SetupError(*self.found)
+
+
 class RunError(CosimError):
     """An FMU failed after it was instantiated; names component, call and time."""
 

@@ -1,4 +1,4 @@
-"""``run.json``: all it takes to run again what made the result beside it and to tell whether the bytes are the same."""
+"""``run.json``: what is needed to repeat the run that made the result beside it, and to compare the bytes."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Literal
 
+from cosim.engine.run_options import CheckedRun, RunOptions
 from cosim.engine.structure import Algorithm, Structure
 from cosim.errors import SetupError
 from cosim.fmi.archive import is_file
-from cosim.fmi.description import KINDS, ModelDescription, Value
+from cosim.fmi.description import KINDS, ModelDescription
 from cosim.fmi.isolated import TIME_LIMIT
 from cosim.json_data import dump, load
-from cosim.results.formats import FORMATS, FileSink
+from cosim.results.file_sink import FileSink
+from cosim.results.formats import FORMATS
 from cosim.results.result import MANIFEST
 from cosim.system import System
 from cosim.units import Linear
@@ -25,7 +27,7 @@ _PACKAGES = ("seat-cosim", "fmpy", "numpy")
 
 
 @dataclass(frozen=True)
-class Component:
+class ComponentRecord:
     """An FMU of a run.
 
     Attributes
@@ -53,8 +55,16 @@ class Component:
 
 
 @dataclass(frozen=True)
-class Connection:
-    """What feeds an input: ``factor`` * output + ``offset``, the conversion of units included."""
+class ConnectionRecord:
+    """What feeds an input: ``factor`` * output + ``offset``, the conversion of units included.
+
+    Attributes
+    ----------
+    output, input
+        As ``component.variable``.
+    factor, offset
+        Of the transformation.
+    """
 
     output: str
     input: str
@@ -112,8 +122,8 @@ class Manifest:
     versions: dict[str, str]
     platform: str
     name: str
-    components: dict[str, Component]
-    connections: list[Connection]
+    components: dict[str, ComponentRecord]
+    connections: list[ConnectionRecord]
     order: list[str]
     algorithm: Algorithm
     parameters: dict[str, bool | int | float | str]
@@ -130,18 +140,9 @@ class Manifest:
     def of(
         cls,
         system: Structure,
-        *,
-        stop_time: float | None = None,
-        step_size: float | None = None,
-        parameters: Mapping[str, Value] | None = None,
-        record: Iterable[str] | None = None,
-        record_every: int = 1,
-        formats: Iterable[str] = (),
+        options: RunOptions | None = None,
         command: Sequence[str] = (),
-        algorithm: Algorithm | None = None,
-        real_time: bool = False,
-        isolate: Iterable[str] = (),
-        time_limit: float = TIME_LIMIT,
+        checked: CheckedRun | None = None,
     ) -> Manifest:
         """Describe a run that is about to begin.
 
@@ -149,18 +150,21 @@ class Manifest:
         ----------
         system
             What runs.
+        options
+            Of the run.
         command
-            What was typed, if anything.
-        stop_time, step_size, parameters, record, record_every, formats, algorithm, real_time, isolate, time_limit
-            As of :func:`cosim.run_folder.run_to_folder`.
+            The user's command line, if any.
+        checked
+            What :meth:`RunOptions.check` returned for the system, where it was called already.
 
         Raises
         ------
         SetupError
             If the run is not possible.
         """
-        clock = system.clock(stop_time, step_size)
-        formats = list(dict.fromkeys([next(iter(FORMATS)), *formats]))
+        options = options or RunOptions()
+        checked = checked or options.check(system)
+        formats = list(dict.fromkeys([next(iter(FORMATS)), *options.formats]))
         return cls(
             format=1,
             complete=False,
@@ -174,20 +178,20 @@ class Manifest:
             name=system.name,
             components={name: _component(system, name) for name in system.models},
             connections=[
-                Connection(str(feed.source), str(sink), *feed.transformation)
-                for sink, feed in system.connections.items()
+                ConnectionRecord(str(connection.source), str(sink), *connection.transformation)
+                for sink, connection in system.connections.items()
             ],
             order=list(system.order),
-            algorithm=algorithm or system.algorithm,
-            parameters=_parameters(system, parameters or {}),
-            stop_time=clock.stop_time,
-            step_size=clock.step_size,
-            record=system.recorded(record),
-            record_every=record_every,
+            algorithm=options.algorithm or system.algorithm,
+            parameters=_parameters(system, checked.values),
+            stop_time=checked.clock.stop_time,
+            step_size=checked.clock.step_size,
+            record=checked.record,
+            record_every=options.record_every,
             formats=formats,
-            real_time=real_time,
-            isolate=[name for name in system.models if name in set(isolate)],
-            time_limit=time_limit,
+            real_time=options.real_time,
+            isolate=[name for name in system.models if name in set(options.isolate)],
+            time_limit=options.time_limit,
         )
 
     def ended(
@@ -277,10 +281,10 @@ def _hash(model: ModelDescription) -> str:
     return hashlib.sha256(model.content()).hexdigest()
 
 
-def _component(system: Structure, name: str) -> Component:
+def _component(system: Structure, name: str) -> ComponentRecord:
     model = system.models[name]
     about = model.description
-    return Component(
+    return ComponentRecord(
         fmu=model.path.as_posix(),
         member=model.member,
         sha256=_hash(model),
@@ -291,12 +295,14 @@ def _component(system: Structure, name: str) -> Component:
     )
 
 
-def _parameters(system: Structure, parameters: Mapping[str, Value]) -> dict[str, bool | int | float | str]:
-    """List all parameters given by the system or the run, by name, as their types show them."""
+def _parameters(
+    system: Structure, values: Mapping[str, Mapping[str, float | str]]
+) -> dict[str, bool | int | float | str]:
+    """List all parameters given by the system or the run, by name, in the form of their types."""
     found = {
         f"{component}.{variable}": _shown(system.models[component], variable, value)
-        for component, values in system.check(parameters).items()
-        for variable, value in values.items()
+        for component, given in values.items()
+        for variable, value in given.items()
     }
     return dict(sorted(found.items()))
 

@@ -1,20 +1,19 @@
-"""The front door: a structure of FMUs that can be run."""
+"""A system of FMUs that can be run: the package's main class."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Self, Unpack
+from typing import Self
 
 from cosim.engine.editing import edit, parse_source
-from cosim.engine.schedule import decimations
-from cosim.engine.session import Options, Session, check_choices, check_isolation
-from cosim.engine.structure import Algorithm, Structure
-from cosim.errors import SetupError, reading, writing_to
+from cosim.engine.run_options import RunOptions, takes_run_options
+from cosim.engine.session import Session
+from cosim.engine.structure import Structure
+from cosim.errors import reading, writing_to
 from cosim.fmi.archive import write_archive
-from cosim.fmi.description import Value
 from cosim.fmi.isolated import TIME_LIMIT
-from cosim.results.result import Result, StepperName
+from cosim.results.result import Result
 from cosim.ssp import load, package_contents
 
 
@@ -35,6 +34,11 @@ class System(Structure):
     @classmethod
     def load(cls, path: str | Path) -> Self:
         """Read a system from an ``.ssp`` file, or an ``.ssd`` file beside its resources; see :func:`cosim.ssp.load`.
+
+        Parameters
+        ----------
+        path
+            The file.
 
         Raises
         ------
@@ -57,7 +61,7 @@ class System(Structure):
         Returns
         -------
         bool
-            False where the same file stood there already; it is left alone.
+            False where the same file existed already; it is not written again.
 
         Raises
         ------
@@ -68,59 +72,41 @@ class System(Structure):
         with writing_to(Path(path).parent):
             return write_archive(Path(path), contents)
 
-    def validate(
-        self,
-        stop_time: float | None = None,
-        step_size: float | None = None,
-        parameters: Mapping[str, Value] | None = None,
-        record: Iterable[str] | None = None,
-        algorithm: Algorithm | None = None,
-        record_every: int = 1,
-        loop: StepperName | None = None,
-        isolate: Iterable[str] = (),
-        time_limit: float = TIME_LIMIT,
-    ) -> None:
-        """Check all that can be checked before an FMU is loaded; parameters as of :meth:`open` and a session's run.
+    @takes_run_options
+    def validate(self, options: RunOptions) -> None:
+        """Check all that can be checked before an FMU is loaded.
+
+        Parameters
+        ----------
+        options
+            Given as keyword arguments: the fields of :class:`cosim.engine.run_options.RunOptions`.
 
         Raises
         ------
         SetupError
             With all problems found.
         """
-        problems: list[str] = []
-        for check in (
-            lambda: decimations(self.component_steps, list(self.models), self.clock(stop_time, step_size)),
-            lambda: self.check(parameters or {}),
-            lambda: self.recorded(record),
-            lambda: check_choices(algorithm, record_every, loop),
-            lambda: check_isolation(self, isolate, time_limit),
-        ):
-            try:
-                check()
-            except SetupError as error:
-                problems += error.problems
-        if problems:
-            raise SetupError(*problems)
+        options.check(self)
 
     def replace(self, name: str, fmu: str | Path, connections: Mapping[str, str] | None = None) -> None:
-        """Put another FMU in a component's place, all of it or nothing.
+        """Put another FMU in a component's place; where that is not possible, the system stays as it was.
 
-        Connections whose names and units fit the newcomer stay; those to inputs it does not have are dropped.
+        Connections whose names and units fit the replacement stay; those to inputs it does not have are removed.
 
         Parameters
         ----------
         name
-            The component; the newcomer takes its name.
+            The component; the replacement takes its name.
         fmu
-            The newcomer's ``.fmu`` file.
+            The replacement's ``.fmu`` file.
         connections
-            Input of the system, as ``component.variable``, to the output that feeds it from now on: the newcomer's by
-            its bare name, any by ``component.variable``; ``"0.001*z"`` and ``"-1*z+0.5"`` transform.
+            Input of the system, as ``component.variable``, to the output that feeds it from now on: the replacement's
+            by its bare name, any by ``component.variable``; ``"0.001*z"`` and ``"-1*z+0.5"`` transform.
 
         Raises
         ------
         SetupError
-            If something does not fit, or an input that was fed before is left without.
+            If something does not fit, or an input has lost its connection.
 
         Examples
         --------
@@ -133,31 +119,42 @@ class System(Structure):
             new.append((output if complete else f"{name}.{output}", transformation, sink))
         edit(self, {name: fmu}, (), new)
 
-    def open(self, isolate: Iterable[str] = (), time_limit: float = TIME_LIMIT, divert_stdout: bool = True) -> Session:
+    def open(self, isolate: Iterable[str] = (), time_limit: float = TIME_LIMIT, capture_stdout: bool = True) -> Session:
         """Load all FMUs, for one run or many; use it in a ``with`` statement.
 
-        Parameters are those of :class:`cosim.engine.session.Session`: ``isolate`` names components whose FMUs run in
-        processes of their own, each call of them limited to ``time_limit`` s; what FMUs print becomes warnings, unless
-        ``divert_stdout`` is false.
-        """
-        return Session(self, isolate, time_limit, divert_stdout)
+        Parameters
+        ----------
+        isolate, time_limit, capture_stdout
+            As of :class:`cosim.engine.session.Session`.
 
-    def simulate(
-        self,
-        stop_time: float | None = None,
-        step_size: float | None = None,
-        parameters: Mapping[str, Value] | None = None,
-        record: Iterable[str] | None = None,
-        progress: Callable[[float], None] | None = None,
-        *,
-        isolate: Iterable[str] = (),
-        time_limit: float = TIME_LIMIT,
-        divert_stdout: bool = True,
-        **options: Unpack[Options],
-    ) -> Result:
-        """Load, run once, free; see :meth:`open` and :meth:`cosim.engine.session.Session.run`."""
-        record, isolate = None if record is None else list(record), set(isolate)
-        choices = options.get("algorithm"), options.get("record_every", 1), options.get("loop")
-        self.validate(stop_time, step_size, parameters, record, *choices, isolate, time_limit)
-        with self.open(isolate, time_limit, divert_stdout) as session:
-            return session.run(stop_time, step_size, parameters, record, progress, **options)
+        Raises
+        ------
+        SetupError
+            If a component to isolate does not exist or the time limit is out of range.
+        """
+        return Session(self, isolate, time_limit, capture_stdout)
+
+    @takes_run_options
+    def simulate(self, options: RunOptions) -> Result:
+        """Load, run once, free.
+
+        Parameters
+        ----------
+        options
+            Given as keyword arguments: the fields of :class:`cosim.engine.run_options.RunOptions`.
+
+        Returns
+        -------
+        Result
+            An incomplete one, with its ``error``, if an FMU failed or the user interrupted after the first step.
+
+        Raises
+        ------
+        SetupError
+            If something is wrong that can be seen before an FMU is loaded.
+        RunError
+            If an FMU failed during loading or initialization.
+        """
+        checked = options.check(self)
+        with self.open(options.isolate, options.time_limit, options.capture_stdout) as session:
+            return session.execute(options, checked)

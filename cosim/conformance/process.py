@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from dataclasses import dataclass, field
-from multiprocessing import Pipe
-from multiprocessing.connection import Connection
 from pathlib import Path
 
 from cosim.conformance.model_description import Description
 from cosim.conformance.rule import Finding, NotApplicableError
 from cosim.errors import RunError
-
-_SERVER = "from cosim.conformance.server import main; main()"
+from cosim.fmi.child_process import ChildProcess
 
 
 @dataclass
@@ -57,17 +53,15 @@ class Processes:
     """
 
     def __init__(self) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
-        self._connection: Connection | None = None
+        self._process: ChildProcess | None = None
 
     def __enter__(self) -> Processes:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._process is not None and self._connection is not None:
-            self._connection.close()
-            self._process.wait()
-            self._process = self._connection = None
+        if self._process is not None:
+            self._process.end()
+            self._process = None
 
     def ask(self, question: Question) -> list[Finding]:
         """Apply a rule.
@@ -81,24 +75,13 @@ class Processes:
         """
         if os.name != "posix":
             raise NotApplicableError(f"rules of behaviour need Linux or macOS, this is {sys.platform}")
-        connection = self._connection or self._start()
+        if self._process is None:
+            self._process = ChildProcess("cosim.conformance.server", {"OPENBLAS_NUM_THREADS": "1"})
         try:
-            connection.send(question)
-            answer: Answer = connection.recv()
+            self._process.connection.send(question)
+            answer: Answer = self._process.connection.recv()
         except (EOFError, OSError):
             raise RunError(f"{question.rule}: expected an answer, but the process that runs FMUs has ended") from None
         if answer.reason:
             raise NotApplicableError(answer.reason)
         return answer.findings
-
-    def _start(self) -> Connection:
-        self._connection, theirs = Pipe()
-        with theirs:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-c", _SERVER, str(theirs.fileno())],
-                pass_fds=[theirs.fileno()],
-                stdin=subprocess.DEVNULL,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OPENBLAS_NUM_THREADS": "1"},
-                start_new_session=True,  # Ctrl-C is our business
-            )
-        return self._connection

@@ -10,7 +10,6 @@ import os
 import pickle
 import select
 import signal
-import sys
 import tempfile
 import time
 import traceback
@@ -25,6 +24,7 @@ from cosim.conformance.process import Answer, Question
 from cosim.conformance.raw_instance import Library2, Library3
 from cosim.conformance.rule import RULES, NotApplicableError
 from cosim.errors import CosimError
+from cosim.fmi.child_process import how_it_ended, parent_connection
 
 
 def answer(question: Question, output: Path) -> Answer:
@@ -92,10 +92,7 @@ def _fate(question: Question, status: int, hung: bool) -> str:
     """Say how a child ended that gave no answer."""
     if hung:
         return f"expected an end within {question.limit:g} s, the FMU hung"
-    if os.WIFSIGNALED(status):
-        number = os.WTERMSIG(status)
-        return f"expected a return, the FMU crashed with signal {number} ({signal.Signals(number).name})"
-    return f"expected a return, the FMU ended the process with exit code {os.WEXITSTATUS(status)}"
+    return f"expected a return, but the process {how_it_ended(os.waitstatus_to_exitcode(status))}"
 
 
 def main() -> None:
@@ -103,8 +100,7 @@ def main() -> None:
     suite.load_rules()
     for library in (Library2, Library3):
         library.prototypes()  # once for all children
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    connection = Connection(int(sys.argv[1]))
+    connection = parent_connection()
     with tempfile.TemporaryDirectory() as scratch, suppress(EOFError, OSError):
         while True:
             question: Any = connection.recv()

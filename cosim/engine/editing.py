@@ -1,4 +1,4 @@
-"""Changing a system: other FMUs in the places of its components, other connections; all of it, or nothing."""
+"""Changing a system: replaced components, other connections; all changes or none."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from cosim.engine.structure import Structure, VariableRef
-from cosim.engine.unconnected_inputs import derivable
+from cosim.engine.unconnected_inputs import derived_inputs
 from cosim.errors import SetupError, did_you_mean
 from cosim.units import Linear
 
@@ -39,7 +39,7 @@ def edit(
     disconnect: Iterable[str],
     connect: Iterable[tuple[str, Linear, str]],
 ) -> None:
-    """Change a system; it stays as it was if anything is wrong.
+    """Change a system; it stays as it was if a change is not possible.
 
     Parameters
     ----------
@@ -48,26 +48,28 @@ def edit(
     replace
         Component to the ``.fmu`` file that takes its place and name.
     disconnect
-        Inputs to free, as ``component.variable``.
+        Inputs whose connection is removed, as ``component.variable``.
     connect
-        Output, transformation and input of each new connection. An input that a replaced component fed or had is
-        taken from its old connection.
+        Output, transformation and input of each new connection; it takes the place of an old one from or to a replaced
+        component.
 
     Raises
     ------
     SetupError
-        If a change is not possible, or an input that was fed before has nothing to feed it.
+        If a change is not possible, or an input has lost its connection.
     """
     with _all_or_nothing(structure):
-        lost = [sink for name, fmu in replace.items() for sink in structure.swap(name, fmu)]
+        lost = [sink for name, fmu in replace.items() for sink in structure.replace_component(name, fmu)]
         for sink in disconnect:
             structure.disconnect(sink)
         for source, transformation, sink in connect:
-            feed = structure.connections.get(VariableRef.parse(sink))
-            if feed is not None and {feed.source.component, VariableRef.parse(sink).component} & set(replace):
+            connection = structure.connections.get(VariableRef.parse(sink))
+            if connection is not None and {connection.source.component, VariableRef.parse(sink).component} & set(
+                replace
+            ):
                 structure.disconnect(sink)
             structure.connect(source, sink, transformation)
-        problems = [_open(structure, sink, replace) for sink in _unfed(structure, lost)]
+        problems = [_describe(structure, sink, replace) for sink in _unconnected(structure, lost)]
         if problems:
             raise SetupError(*problems)
 
@@ -84,17 +86,17 @@ def _all_or_nothing(structure: Structure) -> Iterator[None]:
         raise
 
 
-def _unfed(structure: Structure, lost: Iterable[VariableRef]) -> Iterator[VariableRef]:
-    """Find those of the inputs that nothing feeds and that their component cannot derive."""
-    fed = {str(port) for port in structure.connections}
+def _unconnected(structure: Structure, lost: Iterable[VariableRef]) -> Iterator[VariableRef]:
+    """Find the inputs without a connection that their component cannot derive."""
+    connected = {str(ref) for ref in structure.connections}
     for sink in lost:
-        derived = derivable(sink.component, structure.models[sink.component], fed)
-        if str(sink) not in fed | derived and sink.variable in structure.models[sink.component].variables:
+        derived = derived_inputs(sink.component, structure.models[sink.component], connected)
+        if str(sink) not in connected | derived and sink.variable in structure.models[sink.component].variables:
             yield sink
 
 
-def _open(structure: Structure, sink: VariableRef, replaced: Iterable[str]) -> str:
-    """Say which input has lost its feed, and what could be meant."""
+def _describe(structure: Structure, sink: VariableRef, replaced: Iterable[str]) -> str:
+    """Describe an input that has lost its connection, with the outputs that could feed it."""
     outputs = [f"{name}.{v.name}" for name in replaced for v in structure.models[name].outputs]
     hint = did_you_mean(str(sink), outputs) or did_you_mean(sink.variable, [name.partition(".")[2] for name in outputs])
     listed = ", ".join(outputs[:8]) + (", …" if len(outputs) > 8 else "") or "none"

@@ -1,12 +1,14 @@
 /* The master's loop in C: steps components over a range of ticks by the FMUs' own functions, FMI 2.0 and 3.0 mixed.
  *
- * It does what cosim/engine/python_stepper.py does, over the same table and buffers, to the same bits. The structures are those of
- * cosim/engine/native_stepper.py, which fills them. Nothing is allocated here and nothing outlives a call. */
-#include "source.h"
-
+ * It does what cosim/engine/python_stepper.py does, over the same table and buffers, to the same bits. Nothing is
+ * allocated here and nothing outlives a call. */
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+
+#include "native_stepper.h"
+#include "source.h"
 
 #ifdef _WIN32
 #define EXPORT __declspec(dllexport)
@@ -18,129 +20,84 @@
 
 enum { WORST_ACCEPTED = 1 }; /* a warning: FMI 2.0 and 3.0 number their status alike */
 
-typedef void (*Function)(void); /* of an FMU; called by its own type */
-typedef void Notice(void);      /* of the world outside */
-
 typedef int Access2(void *instance, const uint32_t *references, size_t count, void *values);
 typedef int Access3(void *instance, const uint32_t *references, size_t count, void *values, size_t value_count);
 typedef int DoStep2(void *instance, double time, double step, int no_return);
 typedef int DoStep3(void *instance, double time, double step, bool no_return, bool *event, bool *terminate, bool *early,
                     double *reached);
 
-/* Types of values, in the order of cosim/engine/native_stepper.py. */
 #define EACH_TYPE(DO)                                                                                                  \
-    DO(0, double) DO(1, float) DO(2, bool)                                                                             \
-    DO(3, int8_t) DO(4, int16_t) DO(5, int32_t) DO(6, int64_t)                                                         \
-    DO(7, uint8_t) DO(8, uint16_t) DO(9, uint32_t) DO(10, uint64_t)
-
-enum { TYPE_DOUBLE = 0 };
-
-/* Some variables of one type that one call moves between an FMU and the table. */
-typedef struct {
-    Function function;
-    const uint32_t *references;
-    void *buffer;
-    const int64_t *places;           /* NULL of an output that is read right into the table */
-    const double *factors, *offsets; /* NULL where values stay as they are */
-    int64_t count, type, discrete;
-    int64_t warned; /* whether the world outside knows that this call warns in this run */
-} Port;
-
-typedef struct {
-    void *instance;
-    Function step;
-    Port *inputs, *outputs;
-    int64_t input_count, output_count, standard;
-    int64_t every, parts; /* it steps at every n-th tick, in so many parts */
-    double step_size;     /* of one part, in s */
-    int64_t warned;       /* as of a port: whether its step does */
-} Component;
-
-/* A value that is recorded: table[place] into a row's column. */
-typedef struct {
-    int64_t column, place;
-} Cell;
-
-typedef enum { NOTHING, SETTING, STEPPING, GETTING, ASKED_TO_END, RETURNED_EARLY, NOT_FINITE } Cause;
-
-/* What is called now, so that who hears an FMU's message can tell where it comes from; in the end, what went wrong. */
-typedef struct {
-    const Component *component;
-    int64_t cause, which, status; /* which: input or output port, or part of a step */
-    double reached;
-} Now;
-
-typedef struct {
-    Component *components;       /* in their order */
-    double *table, *before;      /* all outputs' values; room for as many */
-    double *rows;                /* where the row of tick `first_recorded` goes; the others follow */
-    const Cell *continuous, *discrete;
-    int64_t component_count, group, table_size, width, continuous_count, discrete_count, record_every, first_recorded;
-    int64_t done; /* number of ticks that are complete */
-    double step_size;
-    Notice *warned; /* called when a call warns for the first time in a run; `now` says which */
-    Now now;
-} Plan;
+    DO(float64, double)                                                                                                \
+    DO(float32, float)                                                                                                 \
+    DO(bool8, bool)                                                                                                    \
+    DO(int8, int8_t)                                                                                                   \
+    DO(int16, int16_t)                                                                                                 \
+    DO(int32, int32_t)                                                                                                 \
+    DO(int64, int64_t)                                                                                                 \
+    DO(uint8, uint8_t)                                                                                                 \
+    DO(uint16, uint16_t)                                                                                               \
+    DO(uint32, uint32_t)                                                                                               \
+    DO(uint64, uint64_t)
 
 EXPORT const char *stepper_source(void)
 {
     return STEPPER_SOURCE;
 }
 
-/* ---- what is called and what comes of it ------------------------------------------------------------------------- */
+/* ---- calls and their status -------------------------------------------------------------------------------------- */
 
-static INLINE void call_begins(Plan *plan, Cause cause, const Component *it, int64_t which)
+static INLINE void begin_call(Schedule *schedule, Cause cause, const Component *component, int64_t number)
 {
-    plan->now.cause = cause;
-    plan->now.component = it;
-    plan->now.which = which;
+    schedule->call.cause = cause;
+    schedule->call.component = component;
+    schedule->call.number = number;
 }
 
-static bool judge(Plan *plan, int status, int64_t *warned)
+static bool check_status(Schedule *schedule, int status, int64_t *warned)
 {
-    plan->now.status = status;
+    schedule->call.status = status;
     if (status <= WORST_ACCEPTED && !*warned) {
         *warned = 1;
-        plan->warned();
+        schedule->warned();
     }
     return status <= WORST_ACCEPTED;
 }
 
 /* Whether a run can go on after a call. */
-static INLINE bool accepted(Plan *plan, int status, int64_t *warned)
+static INLINE bool accepted(Schedule *schedule, int status, int64_t *warned)
 {
-    return status == 0 || judge(plan, status, warned);
+    return status == 0 || check_status(schedule, status, warned);
 }
 
 /* ---- exchange of values ------------------------------------------------------------------------------------------ */
 
-static int call_access(const Component *component, const Port *port)
+static int call_access(const Component *component, const VariableAccess *access)
 {
-    const size_t count = (size_t)port->count;
-    return component->standard == 2
-               ? ((Access2 *)port->function)(component->instance, port->references, count, port->buffer)
-               : ((Access3 *)port->function)(component->instance, port->references, count, port->buffer, count);
+    const size_t count = (size_t)access->count;
+    return component->fmi_version == 2
+               ? ((Access2 *)access->function)(component->instance, access->references, count, access->buffer)
+               : ((Access3 *)access->function)(component->instance, access->references, count, access->buffer, count);
 }
 
 /* Fill the buffer of a setter from the table. */
-static void fill_buffer(const Port *port, const double table[])
+static void fill_buffer(const VariableAccess *access, const double values[])
 {
-    if (port->factors != NULL) {
-        for (int64_t i = 0; i < port->count; ++i) {
-            const double value = port->factors[i] * table[port->places[i]] + port->offsets[i];
-            if (port->type == TYPE_DOUBLE) { /* only floating-point numbers are transformed */
-                ((double *)port->buffer)[i] = value;
+    if (access->factors != NULL) {
+        for (int64_t i = 0; i < access->count; ++i) {
+            const double value = access->factors[i] * values[access->index[i]] + access->offsets[i];
+            if (access->type == float64) { /* only floating-point numbers are transformed */
+                ((double *)access->buffer)[i] = value;
             } else {
-                ((float *)port->buffer)[i] = (float)value;
+                ((float *)access->buffer)[i] = (float)value;
             }
         }
         return;
     }
-    switch (port->type) {
+    switch (access->type) {
 #define FILL(code, type_)                                                                                              \
     case code:                                                                                                         \
-        for (int64_t i = 0; i < port->count; ++i) {                                                                    \
-            ((type_ *)port->buffer)[i] = (type_)table[port->places[i]];                                                \
+        for (int64_t i = 0; i < access->count; ++i) {                                                                  \
+            ((type_ *)access->buffer)[i] = (type_)values[access->index[i]];                                            \
         }                                                                                                              \
         break;
         EACH_TYPE(FILL)
@@ -149,13 +106,13 @@ static void fill_buffer(const Port *port, const double table[])
 }
 
 /* Empty the buffer of a getter into the table. */
-static void empty_buffer(const Port *port, double table[])
+static void empty_buffer(const VariableAccess *access, double values[])
 {
-    switch (port->type) {
+    switch (access->type) {
 #define EMPTY(code, type_)                                                                                             \
     case code:                                                                                                         \
-        for (int64_t i = 0; i < port->count; ++i) {                                                                    \
-            table[port->places[i]] = (double)((const type_ *)port->buffer)[i];                                         \
+        for (int64_t i = 0; i < access->count; ++i) {                                                                  \
+            values[access->index[i]] = (double)((const type_ *)access->buffer)[i];                                     \
         }                                                                                                              \
         break;
         EACH_TYPE(EMPTY)
@@ -163,20 +120,20 @@ static void empty_buffer(const Port *port, double table[])
     }
 }
 
-static INLINE bool take_inputs(Plan *plan, const Component *it)
+static INLINE bool set_inputs(Schedule *schedule, const Component *component)
 {
-    for (int64_t p = 0; p < it->input_count; ++p) {
-        Port *port = &it->inputs[p];
-        if (port->type == TYPE_DOUBLE && port->factors == NULL) { /* nearly always */
-            double *buffer = port->buffer;
-            for (int64_t i = 0; i < port->count; ++i) {
-                buffer[i] = plan->table[port->places[i]];
+    for (int64_t a = 0; a < component->input_count; ++a) {
+        VariableAccess *access = &component->inputs[a];
+        if (access->type == float64 && access->factors == NULL) { /* nearly always */
+            double *buffer = access->buffer;
+            for (int64_t i = 0; i < access->count; ++i) {
+                buffer[i] = schedule->values[access->index[i]];
             }
         } else {
-            fill_buffer(port, plan->table);
+            fill_buffer(access, schedule->values);
         }
-        call_begins(plan, SETTING, it, p);
-        if (!accepted(plan, call_access(it, port), &port->warned)) {
+        begin_call(schedule, setting, component, a);
+        if (!accepted(schedule, call_access(component, access), &access->warned)) {
             return false;
         }
     }
@@ -185,19 +142,19 @@ static INLINE bool take_inputs(Plan *plan, const Component *it)
 
 typedef enum { CONTINUOUS = 1, DISCRETE = 2, ALL = 3 } Which;
 
-static INLINE bool give_outputs(Plan *plan, const Component *it, Which which)
+static INLINE bool get_outputs(Schedule *schedule, const Component *component, Which which)
 {
-    for (int64_t p = 0; p < it->output_count; ++p) {
-        Port *port = &it->outputs[p];
-        if ((which & (port->discrete ? DISCRETE : CONTINUOUS)) == 0) {
+    for (int64_t a = 0; a < component->output_count; ++a) {
+        VariableAccess *access = &component->outputs[a];
+        if ((which & (access->discrete ? DISCRETE : CONTINUOUS)) == 0) {
             continue;
         }
-        call_begins(plan, GETTING, it, p);
-        if (!accepted(plan, call_access(it, port), &port->warned)) {
+        begin_call(schedule, getting, component, a);
+        if (!accepted(schedule, call_access(component, access), &access->warned)) {
             return false;
         }
-        if (port->places != NULL) {
-            empty_buffer(port, plan->table);
+        if (access->index != NULL) {
+            empty_buffer(access, schedule->values);
         }
     }
     return true;
@@ -205,10 +162,10 @@ static INLINE bool give_outputs(Plan *plan, const Component *it, Which which)
 
 /* ---- initialisation ---------------------------------------------------------------------------------------------- */
 
-static bool differs(const Plan *plan)
+static bool values_changed(const Schedule *schedule)
 {
-    for (int64_t i = 0; i < plan->table_size; ++i) {
-        const double a = plan->before[i], b = plan->table[i];
+    for (int64_t i = 0; i < schedule->value_count; ++i) {
+        const double a = schedule->previous[i], b = schedule->values[i];
         if (a != b && (a == a || b == b)) {
             return true;
         }
@@ -216,45 +173,43 @@ static bool differs(const Plan *plan)
     return false;
 }
 
-/* A run begins: nobody has warned. */
-static void forget_warnings(const Plan *plan)
+/* A run begins: no call has warned yet. */
+static void clear_warnings(const Schedule *schedule)
 {
-    for (int64_t i = 0; i < plan->component_count; ++i) {
-        Component *it = &plan->components[i];
-        it->warned = 0;
-        for (int64_t p = 0; p < it->input_count; ++p) {
-            it->inputs[p].warned = 0;
+    for (int64_t i = 0; i < schedule->component_count; ++i) {
+        Component *component = &schedule->components[i];
+        component->warned = 0;
+        for (int64_t a = 0; a < component->input_count; ++a) {
+            component->inputs[a].warned = 0;
         }
-        for (int64_t p = 0; p < it->output_count; ++p) {
-            it->outputs[p].warned = 0;
+        for (int64_t a = 0; a < component->output_count; ++a) {
+            component->outputs[a].warned = 0;
         }
     }
 }
 
-/* Pass initial outputs along the connections until they settle, at most as often as the longest chain asks for. */
-EXPORT bool stepper_settle(Plan *plan)
+EXPORT bool stepper_initialize(Schedule *schedule)
 {
-    const Component *const end = plan->components + plan->component_count;
-    forget_warnings(plan);
-    bool moving = true;
-    for (int64_t round = 0; round < plan->component_count && moving; ++round) {
-        memcpy(plan->before, plan->table, (size_t)plan->table_size * sizeof *plan->table);
-        for (const Component *it = plan->components; it < end; ++it) {
-            if (!take_inputs(plan, it) || !give_outputs(plan, it, ALL)) {
+    const Component *const end = schedule->components + schedule->component_count;
+    clear_warnings(schedule);
+    bool changed = true;
+    for (int64_t round = 0; round < schedule->component_count && changed; ++round) {
+        memcpy(schedule->previous, schedule->values, (size_t)schedule->value_count * sizeof *schedule->values);
+        for (const Component *component = schedule->components; component < end; ++component) {
+            if (!set_inputs(schedule, component) || !get_outputs(schedule, component, ALL)) {
                 return false;
             }
         }
-        moving = differs(plan);
+        changed = values_changed(schedule);
     }
     return true;
 }
 
-/* Read all outputs. */
-EXPORT bool stepper_read(Plan *plan)
+EXPORT bool stepper_get_outputs(Schedule *schedule)
 {
-    const Component *const end = plan->components + plan->component_count;
-    for (const Component *it = plan->components; it < end; ++it) {
-        if (!give_outputs(plan, it, ALL)) {
+    const Component *const end = schedule->components + schedule->component_count;
+    for (const Component *component = schedule->components; component < end; ++component) {
+        if (!get_outputs(schedule, component, ALL)) {
             return false;
         }
     }
@@ -263,30 +218,32 @@ EXPORT bool stepper_read(Plan *plan)
 
 /* ---- steps ------------------------------------------------------------------------------------------------------- */
 
-static INLINE bool do_part(Plan *plan, Component *it, int64_t number, int64_t part)
+/* Step by a substep; `number` is that of the step's first substep. */
+static INLINE bool do_substep(Schedule *schedule, Component *component, int64_t number, int64_t substep)
 {
-    const double time = (double)(number + part) * it->step_size;
-    call_begins(plan, STEPPING, it, part);
-    if (it->standard == 2) {
-        return accepted(plan, ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1), &it->warned);
+    const double time = (double)(number + substep) * component->step_size;
+    begin_call(schedule, stepping, component, substep);
+    if (component->fmi_version == 2) {
+        const int status = ((DoStep2 *)component->do_step)(component->instance, time, component->step_size, 1);
+        return accepted(schedule, status, &component->warned);
     }
     bool event = false, terminate = false, early = false;
-    const int status = ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early,
-                                             &plan->now.reached);
-    if (!accepted(plan, status, &it->warned)) {
+    const int status = ((DoStep3 *)component->do_step)(component->instance, time, component->step_size, true, &event,
+                                                       &terminate, &early, &schedule->call.reached);
+    if (!accepted(schedule, status, &component->warned)) {
         return false;
     }
     if (terminate || early) {
-        plan->now.cause = terminate ? ASKED_TO_END : RETURNED_EARLY;
+        schedule->call.cause = terminate ? terminated : returned_early;
         return false;
     }
     return true;
 }
 
-static bool advance(Plan *plan, Component *it, int64_t tick)
+static bool do_step(Schedule *schedule, Component *component, int64_t tick)
 {
-    for (int64_t part = 0; part < it->parts; ++part) {
-        if (!do_part(plan, it, tick / it->every * it->parts, part)) {
+    for (int64_t substep = 0; substep < component->substeps; ++substep) {
+        if (!do_substep(schedule, component, tick / component->factor * component->substeps, substep)) {
             return false;
         }
     }
@@ -294,37 +251,37 @@ static bool advance(Plan *plan, Component *it, int64_t tick)
 }
 
 /* Which outputs a component gives in this tick: a sample's at its begin, what is continuous at the end of the step. */
-static Which given(const Component *it, int64_t tick)
+static Which due_outputs(const Component *component, int64_t tick)
 {
-    if (it->every == 1) {
+    if (component->factor == 1) {
         return ALL;
     }
-    return (tick % it->every == 0 ? DISCRETE : 0) | ((tick + 1) % it->every == 0 ? CONTINUOUS : 0);
+    return (tick % component->factor == 0 ? DISCRETE : 0) | ((tick + 1) % component->factor == 0 ? CONTINUOUS : 0);
 }
 
-static bool is_due(const Component *it, int64_t tick)
+static bool is_due(const Component *component, int64_t tick)
 {
-    return it->every == 1 || tick % it->every == 0;
+    return component->factor == 1 || tick % component->factor == 0;
 }
 
-/* Step a group of components: one in a sequence, all at once otherwise. */
-static INLINE bool step_group(Plan *plan, Component *begin, const Component *end, int64_t tick)
+/* Step a group of components: one in a sequence, all of them otherwise. */
+static INLINE bool step_group(Schedule *schedule, Component *begin, const Component *end, int64_t tick)
 {
-    if (end - begin == 1 && begin->every * begin->parts == 1) { /* what follows comes to this, but takes its time */
-        return take_inputs(plan, begin) && do_part(plan, begin, tick, 0) && give_outputs(plan, begin, ALL);
+    if (end - begin == 1 && begin->factor * begin->substeps == 1) { /* the general case does the same, slower */
+        return set_inputs(schedule, begin) && do_substep(schedule, begin, tick, 0) && get_outputs(schedule, begin, ALL);
     }
-    for (const Component *it = begin; it < end; ++it) {
-        if (is_due(it, tick) && !take_inputs(plan, it)) {
+    for (const Component *component = begin; component < end; ++component) {
+        if (is_due(component, tick) && !set_inputs(schedule, component)) {
             return false;
         }
     }
-    for (Component *it = begin; it < end; ++it) {
-        if (is_due(it, tick) && !advance(plan, it, tick)) {
+    for (Component *component = begin; component < end; ++component) {
+        if (is_due(component, tick) && !do_step(schedule, component, tick)) {
             return false;
         }
     }
-    for (const Component *it = begin; it < end; ++it) {
-        if (!give_outputs(plan, it, given(it, tick))) {
+    for (const Component *component = begin; component < end; ++component) {
+        if (!get_outputs(schedule, component, due_outputs(component, tick))) {
             return false;
         }
     }
@@ -332,53 +289,53 @@ static INLINE bool step_group(Plan *plan, Component *begin, const Component *end
 }
 
 /* The exponent of what is no finite number is all ones: adding one to it carries into the sign. */
-static bool all_finite(const Plan *plan)
+static bool all_finite(const Schedule *schedule)
 {
     const uint64_t exponent = UINT64_C(0x7ff0000000000000), one = UINT64_C(0x0010000000000000);
     uint64_t carried = 0;
-    for (int64_t i = 0; i < plan->table_size; ++i) {
+    for (int64_t i = 0; i < schedule->value_count; ++i) {
         uint64_t bits;
-        memcpy(&bits, &plan->table[i], sizeof bits);
+        memcpy(&bits, &schedule->values[i], sizeof bits);
         carried |= (bits & exponent) + one;
     }
     return carried >> 63 == 0;
 }
 
-static void record(const Plan *plan, double row[], const Cell cells[], int64_t count)
+static void record(const Schedule *schedule, double row[], const RecordedValue recorded[], int64_t count)
 {
     for (int64_t i = 0; i < count; ++i) {
-        row[cells[i].column] = plan->table[cells[i].place];
+        row[recorded[i].column] = schedule->values[recorded[i].index];
     }
 }
 
-/* Step from tick `first` to tick `last`; returns whether nothing is wrong, else `now` says what. */
-EXPORT bool stepper_run(Plan *plan, int64_t first, int64_t last)
+EXPORT bool stepper_run(Schedule *schedule, int64_t first, int64_t last)
 {
-    int64_t until_row = (plan->record_every - first % plan->record_every) % plan->record_every;
-    double *row = plan->rows + ((first + until_row - plan->first_recorded) / plan->record_every) * plan->width;
-    const Component *const end = plan->components + plan->component_count;
+    const int64_t every = schedule->record_every;
+    int64_t until_row = (every - first % every) % every;
+    double *row = schedule->rows + ((first + until_row - schedule->first_recorded) / every) * schedule->width;
+    const Component *const end = schedule->components + schedule->component_count;
     for (int64_t tick = first; tick < last; ++tick) {
         const bool recorded = until_row == 0;
-        if (!all_finite(plan)) {
-            plan->now.cause = NOT_FINITE;
+        if (!all_finite(schedule)) {
+            schedule->call.cause = not_finite;
             return false;
         }
         if (recorded) {
-            row[0] = (double)tick * plan->step_size;
-            record(plan, row, plan->continuous, plan->continuous_count);
+            row[0] = (double)tick * schedule->step_size;
+            record(schedule, row, schedule->continuous, schedule->continuous_count);
         }
-        for (Component *it = plan->components; it < end; it += plan->group) {
-            if (!step_group(plan, it, it + plan->group, tick)) {
+        for (Component *component = schedule->components; component < end; component += schedule->group) {
+            if (!step_group(schedule, component, component + schedule->group, tick)) {
                 return false;
             }
         }
         if (recorded) {
-            record(plan, row, plan->discrete, plan->discrete_count);
-            row += plan->width;
-            until_row = plan->record_every;
+            record(schedule, row, schedule->discrete, schedule->discrete_count);
+            row += schedule->width;
+            until_row = every;
         }
         --until_row;
-        plan->done = tick + 1;
+        schedule->done = tick + 1;
     }
     return true;
 }

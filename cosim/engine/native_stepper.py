@@ -1,13 +1,14 @@
-"""The loop in C: loads ``native_stepper.c`` as it was compiled, and lays a plan out as its structures."""
+"""The loop in C: loads ``native_stepper.c`` as it was compiled, and lays a schedule out as its structures."""
 
 from __future__ import annotations
 
 import ctypes
 import hashlib
 from collections.abc import Sequence
+from enum import IntEnum
 from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from fmpy import platform_tuple, sharedLibraryExtension
@@ -24,73 +25,111 @@ BUILT = Path(__file__).with_name("built")
 """Where the compiled loop lies, each platform's in the subfolder of its name."""
 
 NAME = "stepper"
+"""Name of the library, without extension."""
 
-_SOURCE = Path(__file__).with_name("native_stepper.c")
-
-_TYPES = (
-    *("float64", "float32", "bool"),
-    *("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"),
-)
-"""Types of values, in the order of the C source."""
+_SOURCES = [Path(__file__).with_suffix(suffix) for suffix in (".c", ".h")]
 
 
 def fingerprint() -> bytes:
-    """Return what a library compiled of this very source contains."""
-    return hashlib.sha256(_SOURCE.read_bytes()).hexdigest().encode()
+    """Return the hash that a library compiled of this very source contains."""
+    return hashlib.sha256(b"".join(path.read_bytes() for path in _SOURCES)).hexdigest().encode()
 
 
 def sources() -> dict[str, bytes]:
-    """Collect what a C compiler needs."""
-    return {_SOURCE.name: _SOURCE.read_bytes(), "source.h": b'#define STEPPER_SOURCE "%s"\n' % fingerprint()}
+    """Return the files that a C compiler needs, by name."""
+    files = {path.name: path.read_bytes() for path in _SOURCES}
+    return {**files, "source.h": b'#define STEPPER_SOURCE "%s"\n' % fingerprint()}
 
 
 @cache
 def load() -> Any:
-    """Load the compiled loop; None where there is none, or one of another source."""
+    """Load the compiled loop.
+
+    Returns
+    -------
+    ctypes library or None
+        None where there is none, or one of another source.
+    """
     try:
         library = ctypes.CDLL(str(BUILT / platform_tuple / f"{NAME}{sharedLibraryExtension}"))
         library.stepper_source.restype = ctypes.c_char_p
         if library.stepper_source() != fingerprint():
             return None
-        for function in (library.stepper_settle, library.stepper_read, library.stepper_run):
+        for function in (library.stepper_initialize, library.stepper_get_outputs, library.stepper_run):
             function.restype = ctypes.c_bool
     except (OSError, AttributeError):
         return None
     library.stepper_run.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
-    library.stepper_settle.argtypes = library.stepper_read.argtypes = [ctypes.c_void_p]
+    library.stepper_initialize.argtypes = library.stepper_get_outputs.argtypes = [ctypes.c_void_p]
     return library
 
 
-# ---- the structures of the C source ----------------------------------------------------------------------------------
+# ---- the structures of native_stepper.h; a test compares them with it ------------------------------------------------
+
+TYPES = (
+    *("float64", "float32", "bool"),
+    *("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"),
+)
+"""numpy's names of ``ValueType``, in its order."""
 
 
-def _structure(**fields: Any) -> type[ctypes.Structure]:
-    return type("Structure", (ctypes.Structure,), {"_fields_": list(fields.items())})
+class Cause(IntEnum):
+    """What is called, or what went wrong."""
+
+    nothing = 0
+    setting = 1
+    stepping = 2
+    getting = 3
+    terminated = 4
+    returned_early = 5
+    not_finite = 6
+
+
+def _structure(name: str, **fields: Any) -> type[ctypes.Structure]:
+    return type(name, (ctypes.Structure,), {"_fields_": list(fields.items())})
 
 
 def _fields(kind: Any, names: str) -> dict[str, Any]:
     return dict.fromkeys(names.split(), kind)
 
 
-_Port = _structure(
-    **_fields(ctypes.c_void_p, "function references buffer places factors offsets"),
-    **_fields(ctypes.c_int64, "count type discrete warned"),
+_Access = _structure(
+    "VariableAccess",
+    **_fields(ctypes.c_void_p, "function references buffer index factors offsets"),
+    count=ctypes.c_int64,
+    type=ctypes.c_int,
+    **_fields(ctypes.c_int64, "discrete warned"),
 )
 _Component = _structure(
-    **_fields(ctypes.c_void_p, "instance step inputs outputs"),
-    **_fields(ctypes.c_int64, "input_count output_count standard every parts"),
+    "Component",
+    **_fields(ctypes.c_void_p, "instance do_step inputs outputs"),
+    **_fields(ctypes.c_int64, "input_count output_count fmi_version factor substeps"),
     step_size=ctypes.c_double,
     warned=ctypes.c_int64,
 )
-_Now = _structure(component=ctypes.c_void_p, **_fields(ctypes.c_int64, "cause which status"), reached=ctypes.c_double)
-_Plan = _structure(
-    **_fields(ctypes.c_void_p, "components table before rows continuous discrete"),
-    **_fields(ctypes.c_int64, "component_count group table_size width continuous_count discrete_count"),
-    **_fields(ctypes.c_int64, "record_every first_recorded done"),
+_RecordedValue = _structure("RecordedValue", **_fields(ctypes.c_int64, "column index"))
+_Call = _structure(
+    "Call",
+    component=ctypes.c_void_p,
+    cause=ctypes.c_int,
+    **_fields(ctypes.c_int64, "number status"),
+    reached=ctypes.c_double,
+)
+_Schedule = _structure(
+    "Schedule",
+    components=ctypes.c_void_p,
+    **_fields(ctypes.c_int64, "component_count group"),
+    **_fields(ctypes.c_void_p, "values previous"),
+    value_count=ctypes.c_int64,
+    **_fields(ctypes.c_void_p, "rows continuous discrete"),
+    **_fields(ctypes.c_int64, "width continuous_count discrete_count record_every first_recorded done"),
     step_size=ctypes.c_double,
     warned=ctypes.c_void_p,
-    now=_Now,
+    call=_Call,
 )
+STRUCTURES = (_Access, _Component, _RecordedValue, _Call, _Schedule)
+"""Mirrors of the structures, each with the name it has in C."""
+
 _Notice = ctypes.CFUNCTYPE(None)
 
 
@@ -102,73 +141,71 @@ def _function(function: Any) -> int | None:
     return ctypes.cast(function, ctypes.c_void_p).value
 
 
-def _port(port: VariableAccess) -> ctypes.Structure:
-    return _Port(
-        function=_function(port.access.function),
-        references=ctypes.addressof(port.access.references),
-        buffer=_address(port.access.buffer),
-        places=None if port.direct else _address(port.places),
-        factors=_address(port.factors),
-        offsets=_address(port.offsets),
-        count=len(port.places),
-        type=_TYPES.index(port.access.buffer.dtype.name),
-        discrete=port.discrete,
+def _access(access: VariableAccess) -> ctypes.Structure:
+    return _Access(
+        function=_function(access.call.function),
+        references=ctypes.addressof(access.call.references),
+        buffer=_address(access.call.buffer),
+        index=None if access.direct else _address(access.index),
+        factors=_address(access.factors),
+        offsets=_address(access.offsets),
+        count=len(access.index),
+        type=TYPES.index(access.call.buffer.dtype.name),
+        discrete=access.discrete,
     )
 
 
 class NativeCallTracker:
-    """Knows where the loop in C is.
+    """Tells which call the loop in C makes.
 
     Parameters
     ----------
-    plan
-        What it steps.
+    schedule
+        What it follows.
     instances, calls
-        Its components and their functions, in the order of the plan.
-    c
-        The plan as a structure of the C source.
+        Its components and their functions, in the order of the schedule.
+    native
+        The schedule as a structure of the C source.
     """
 
-    CAUSES: ClassVar = ("nothing", "setting", "stepping", "getting", "asked to end", "returned early", "not finite")
-    """What may be called or go wrong, in the order of the C source."""
-
-    def __init__(self, schedule: Schedule, instances: Sequence[Instance], calls: Sequence[NativeCalls], c: Any) -> None:
-        self._plan, self._instances, self._calls, self._c = schedule, instances, calls, c
+    def __init__(
+        self, schedule: Schedule, instances: Sequence[Instance], calls: Sequence[NativeCalls], native: Any
+    ) -> None:
+        self._schedule, self._instances, self._calls, self._native = schedule, instances, calls, native
 
     @property
-    def _place(self) -> int:
-        """Which component is called, by its place in the plan."""
-        return int(self._c.now.component - self._c.components) // ctypes.sizeof(_Component)
+    def _number(self) -> int:
+        """Which component is called, by its place in the schedule."""
+        return int(self._native.call.component - self._native.components) // ctypes.sizeof(_Component)
 
     def where(self) -> tuple[str, float]:
-        """Name what is called, and its time in s."""
-        now, tick = self._c.now, self._c.done
-        calls = self._calls[self._place]
-        if self.CAUSES[now.cause] in ("setting", "getting"):
-            ports = calls.inputs if self.CAUSES[now.cause] == "setting" else calls.outputs
-            return ports[now.which].access.name, self._plan.clock.time(tick)
-        return calls.step_name, self._plan.components[self._place].rate.time(tick, now.which)
+        """Return the name of the function that is called, and its time in s."""
+        call, tick = self._native.call, self._native.done
+        calls = self._calls[self._number]
+        if call.cause in (Cause.setting, Cause.getting):
+            accesses = calls.inputs if call.cause == Cause.setting else calls.outputs
+            return accesses[call.number].call.name, self._schedule.clock.time(tick)
+        return calls.step_name, self._schedule.components[self._number].decimation.time(tick, call.number)
 
     def warned(self) -> None:
-        """Take note that what is called has warned."""
-        self._instances[self._place].messages.warned(*self.where())
+        """Note that the current call has returned a warning."""
+        self._instances[self._number].messages.warned(*self.where())
 
     def failure(self) -> RunError:
-        """Describe what went wrong, in the words of the loop in Python."""
-        now = self._c.now
-        cause = self.CAUSES[now.cause]
-        if cause == "not finite":
+        """Describe what went wrong, with the messages of the loop in Python."""
+        call = self._native.call
+        if call.cause == Cause.not_finite:
             try:
-                check_finite(self._plan, self._c.done)
+                check_finite(self._schedule, self._native.done)
             except RunError as error:
                 return error
-        instance: Instance = self._instances[self._place]
+        instance: Instance = self._instances[self._number]
         name, time = self.where()
-        if cause == "asked to end":
-            return instance.asked_to_end(name, now.reached)
-        if cause == "returned early":
-            return instance.returned_early(name, now.reached)
-        return instance.failure(FMICallException(function=name, status=now.status), name, time)
+        if call.cause == Cause.terminated:
+            return instance.termination_requested(name, call.reached)
+        if call.cause == Cause.returned_early:
+            return instance.returned_early(name, call.reached)
+        return instance.failure(FMICallException(function=name, status=call.status), name, time)
 
 
 class NativeStepper:
@@ -176,12 +213,12 @@ class NativeStepper:
 
     Parameters
     ----------
-    plan
-        What to step.
+    schedule
+        What to follow.
     instances, calls
-        Its components and their functions, in the order of the plan.
+        Its components and their functions, in the order of the schedule.
     recorder
-        What records it.
+        Records the values.
     """
 
     def __init__(
@@ -189,48 +226,48 @@ class NativeStepper:
     ) -> None:
         self._library = load()
         self._recorder = recorder
-        self._held: list[Any] = []  # what the structures point to
-        components = self._hold((_Component * len(calls))(*self._components(schedule, calls)))
-        before = self._hold(np.zeros_like(schedule.table))
-        self._c = _Plan(
+        self._referenced: list[Any] = []  # what the structures point to
+        components = self._keep((_Component * len(calls))(*self._components(schedule, calls)))
+        previous = self._keep(np.zeros_like(schedule.values))
+        self._native = _Schedule(
             components=ctypes.addressof(components),
-            table=_address(schedule.table),
-            before=_address(before),
-            continuous=_address(recorder.continuous),
-            discrete=_address(recorder.discrete),
             component_count=len(calls),
             group=len(calls) if schedule.jacobi else 1,
-            table_size=len(schedule.table),
+            values=_address(schedule.values),
+            previous=_address(previous),
+            value_count=len(schedule.values),
+            continuous=_address(recorder.continuous),
+            discrete=_address(recorder.discrete),
             continuous_count=len(recorder.continuous),
             discrete_count=len(recorder.discrete),
             record_every=recorder.every,
             step_size=schedule.clock.step_size,
         )
-        self._pointer = ctypes.addressof(self._c)
-        self._watcher = NativeCallTracker(schedule, instances, calls, self._c)
-        self._journals = [instance.messages for instance in instances]
-        self._c.warned = _function(self._hold(_Notice(self._watcher.warned)))
+        self._pointer = ctypes.addressof(self._native)
+        self._tracker = NativeCallTracker(schedule, instances, calls, self._native)
+        self._logs = [instance.messages for instance in instances]
+        self._native.warned = _function(self._keep(_Notice(self._tracker.warned)))
 
-    def _hold(self, thing: Any) -> Any:
-        self._held.append(thing)
+    def _keep(self, thing: Any) -> Any:
+        self._referenced.append(thing)
         return thing
 
     def _components(self, schedule: Schedule, components: Sequence[NativeCalls]) -> list[ctypes.Structure]:
         found = []
         for component, calls in zip(schedule.components, components, strict=True):
-            ports = [self._hold((_Port * len(p))(*map(_port, p))) for p in (calls.inputs, calls.outputs)]
+            accesses = [self._keep((_Access * len(a))(*map(_access, a))) for a in (calls.inputs, calls.outputs)]
             found.append(
                 _Component(
                     instance=calls.component,
-                    step=_function(calls.step),
-                    inputs=ctypes.addressof(ports[0]),
-                    outputs=ctypes.addressof(ports[1]),
+                    do_step=_function(calls.step),
+                    inputs=ctypes.addressof(accesses[0]),
+                    outputs=ctypes.addressof(accesses[1]),
                     input_count=len(calls.inputs),
                     output_count=len(calls.outputs),
-                    standard=calls.standard,
-                    every=component.rate.every,
-                    parts=component.rate.parts,
-                    step_size=component.rate.step_size,
+                    fmi_version=calls.fmi_version,
+                    factor=component.decimation.factor,
+                    substeps=component.decimation.substeps,
+                    step_size=component.decimation.step_size,
                 )
             )
         return found
@@ -238,35 +275,35 @@ class NativeStepper:
     @property
     def done(self) -> int:
         """Number of ticks that are complete."""
-        return int(self._c.done)
+        return int(self._native.done)
 
     @done.setter
     def done(self, ticks: int) -> None:
-        self._c.done = ticks
+        self._native.done = ticks
 
-    def settle(self) -> None:
-        """Pass initial outputs along the connections until they settle."""
-        self._call(self._library.stepper_settle)
+    def initialize(self) -> None:
+        """Exchange initial values along the connections until nothing changes."""
+        self._call(self._library.stepper_initialize)
 
-    def read(self) -> None:
-        """Read all outputs."""
-        self._call(self._library.stepper_read)
+    def get_outputs(self) -> None:
+        """Get all outputs."""
+        self._call(self._library.stepper_get_outputs)
 
     def run(self, first: int, last: int) -> None:
-        """Step from one tick to another, recording."""
-        self._c.rows = self._recorder.rows.ctypes.data
-        self._c.width = self._recorder.rows.shape[1]
-        self._c.first_recorded = self._recorder.first_tick
+        """Step from one tick to another and record."""
+        self._native.rows = self._recorder.rows.ctypes.data
+        self._native.width = self._recorder.rows.shape[1]
+        self._native.first_recorded = self._recorder.first_tick
         self._call(self._library.stepper_run, first, last)
 
     def _call(self, function: Any, *arguments: int) -> None:
-        """Call a function of the C source; what FMUs say meanwhile they say where the loop in C is."""
-        for messages in self._journals:
-            messages.native_call = self._watcher.where
+        """Call a function of the C source; messages of FMUs are attributed to the call that it makes."""
+        for log in self._logs:
+            log.native_call = self._tracker.where
         try:
-            well = function(self._pointer, *arguments)
+            succeeded = function(self._pointer, *arguments)
         finally:
-            for messages in self._journals:
-                messages.native_call = None
-        if not well:
-            raise self._watcher.failure()
+            for log in self._logs:
+                log.native_call = None
+        if not succeeded:
+            raise self._tracker.failure()

@@ -1,4 +1,4 @@
-"""The master: the loop over the components in Python, and what goes on between chunks of steps of either loop."""
+"""The master's loop in Python, and what happens between chunks of steps of either loop."""
 
 from __future__ import annotations
 
@@ -14,69 +14,76 @@ from cosim.errors import RunError
 from cosim.fmi.interrupts import check
 
 CHUNK = 0.05
-"""Longest time in s between two looks at the world outside: progress, sinks, interruption."""
+"""Longest time in s between two calls of progress and sinks and two checks for an interrupt."""
 
 _GROWTH = 8
-"""How much longer a chunk may be than the one before: how fast the FMUs are is not known at first."""
+"""How many times longer a chunk may be than the one before: the speed of the FMUs is not known at first."""
 
 
 def run_in_chunks(
-    loop: Stepper, schedule: Schedule, room: int, between: Callable[[int], None], pacer: Pacer | None = None
+    stepper: Stepper, schedule: Schedule, capacity: int, between: Callable[[int], None], pacer: Pacer | None = None
 ) -> None:
     """Step to the end in chunks.
 
     Parameters
     ----------
-    loop
-        What steps.
-    plan
-        What it steps.
-    room
-        How many ticks may pass between two looks outside.
+    stepper
+        Steps the components.
+    schedule
+        What it follows.
+    capacity
+        How many ticks may pass between two calls of ``between``.
     between
-        Called there, with the number of ticks that are complete.
+        Called after chunks, with the number of ticks that are complete.
     pacer
-        Where the run is held to real time.
+        Holds the run to real time, where it is given.
 
     Raises
     ------
     RunError
         If an FMU failed.
     KeyboardInterrupt
-        If the user wants to end.
+        If the user interrupted.
     """
-    steps, tick, seen, size = schedule.clock.steps, 0, 0, 1
-    looked = perf_counter()
+    steps, tick, flushed, size = schedule.clock.steps, 0, 0, 1
+    last_call = perf_counter()
     while tick < steps:
         if pacer is not None:
             pacer.wait(tick)
         begin = perf_counter()
         last = min(tick + size, steps)
-        loop.run(tick, last)
+        stepper.run(tick, last)
         check()
         now = perf_counter()
         if pacer is None:
-            size = max(1, min(room, _GROWTH * size, int(0.5 * CHUNK * (last - tick) / (now - begin))))
+            size = max(1, min(capacity, _GROWTH * size, int(0.5 * CHUNK * (last - tick) / (now - begin))))
         tick = last
-        if pacer is None or now - looked > 0.5 * CHUNK or tick - seen >= room or tick == steps:
+        if pacer is None or now - last_call > 0.5 * CHUNK or tick - flushed >= capacity or tick == steps:
             between(tick)
-            looked, seen = now, tick
+            last_call, flushed = now, tick
     if pacer is not None:
         pacer.wait(steps)
 
 
 def check_finite(schedule: Schedule, tick: int) -> None:
-    """Check that all values are numbers.
+    """Check that all outputs are finite.
+
+    Parameters
+    ----------
+    schedule
+        Whose values.
+    tick
+        For the message.
 
     Raises
     ------
     RunError
-        If one is not.
+        With the first output that is not.
     """
-    finite = np.isfinite(schedule.table)
+    finite = np.isfinite(schedule.values)
     if not finite.all():
-        place = int(np.flatnonzero(~finite)[0])
-        name, value, time = schedule.names[place], schedule.table[place], schedule.clock.time(tick)
+        index = int(np.flatnonzero(~finite)[0])
+        name, value, time = schedule.names[index], schedule.values[index], schedule.clock.time(tick)
         raise RunError(f"{name}: expected a finite output, got {value} at t = {time:g} s")
 
 
@@ -85,51 +92,51 @@ class PythonStepper:
 
     Parameters
     ----------
-    plan
-        What to step.
+    schedule
+        What to follow.
     recorder
-        What records it.
-    listening
-        Whether to look after each component whether it has printed, which takes its time.
+        Records the values.
+    collect_stdout
+        Whether to collect after each call what the component has printed, which takes time.
 
     Attributes
     ----------
     done
         Number of ticks that are complete.
-    heard
-        Whether anybody has printed.
+    attributed
+        Whether something that was printed has been attributed to a component.
     """
 
-    def __init__(self, schedule: Schedule, recorder: Recorder, listening: bool = False) -> None:
-        self._plan = schedule
+    def __init__(self, schedule: Schedule, recorder: Recorder, collect_stdout: bool = False) -> None:
+        self._schedule = schedule
         self._recorder = recorder
         self._groups = schedule.groups
-        self._listening = listening
+        self._collecting = collect_stdout
         self.done = 0
-        self.heard = False
+        self.attributed = False
 
-    def settle(self) -> None:
-        """Pass initial outputs along the connections until they settle."""
-        for _ in self._plan.components:  # the longest chain of connections without a loop
-            before = self._plan.table.copy()
-            for component in self._plan.components:
+    def initialize(self) -> None:
+        """Exchange initial values along the connections until nothing changes."""
+        for _ in self._schedule.components:  # the longest chain of connections without a loop
+            before = self._schedule.values.copy()
+            for component in self._schedule.components:
                 with component.instance.calling("initial exchange"):
                     component.instance.set_inputs(0.0)
                     component.instance.get_outputs(0.0)
-            if np.array_equal(before, self._plan.table, equal_nan=True):
+            if np.array_equal(before, self._schedule.values, equal_nan=True):
                 break
 
-    def read(self) -> None:
-        """Read all outputs."""
-        for component in self._plan.components:
+    def get_outputs(self) -> None:
+        """Get all outputs."""
+        for component in self._schedule.components:
             with component.instance.calling("initial exchange"):
                 component.instance.get_outputs(0.0)
 
     def run(self, first: int, last: int) -> None:
-        """Step from one tick to another, recording."""
+        """Step from one tick to another and record."""
         for tick in range(first, last):
             check()
-            check_finite(self._plan, tick)
+            check_finite(self._schedule, tick)
             self._recorder.before(tick)
             for group in self._groups:
                 self._step(group, tick)
@@ -137,39 +144,39 @@ class PythonStepper:
             self.done = tick + 1
 
     def _step(self, group: Sequence[ScheduledComponent], tick: int) -> None:
-        """Step components that exchange nothing in between."""
-        due = [component for component in group if tick % component.rate.every == 0]
-        component, time = group[0], self._plan.clock.time(tick)
+        """Step components that exchange no values in between."""
+        due = [component for component in group if tick % component.decimation.factor == 0]
+        component, time = group[0], self._schedule.clock.time(tick)
         try:
             for component in due:
                 component.instance.set_inputs(time)
-                self._listen(component, time)
+                self._collect_stdout(component, time)
             for component in due:
-                for part in range(component.rate.parts):
-                    time = component.rate.time(tick, part)
-                    component.instance.advance(time, component.rate.step_size)
-                    self._listen(component, time)
-            time = self._plan.clock.time(tick)
+                for substep in range(component.decimation.substeps):
+                    time = component.decimation.time(tick, substep)
+                    component.instance.do_step(time, component.decimation.step_size)
+                    self._collect_stdout(component, time)
+            time = self._schedule.clock.time(tick)
             for component in group:
-                _give(component, tick, time)
-                self._listen(component, time)
+                _get_due_outputs(component, tick, time)
+                self._collect_stdout(component, time)
         except RunError:
             raise
         except Exception as error:
             raise component.instance.failure(error, "doStep", time) from error
 
-    def _listen(self, component: ScheduledComponent, time: float) -> None:
-        if self._listening and component.instance.listen("doStep", time):
-            self.heard = True
+    def _collect_stdout(self, component: ScheduledComponent, time: float) -> None:
+        if self._collecting and component.instance.collect_stdout("doStep", time):
+            self.attributed = True
 
 
-def _give(component: ScheduledComponent, tick: int, time: float) -> None:
-    """Give a component's outputs: what is discrete where its step begins, what is continuous where it ends."""
-    every = component.rate.every
-    if every == 1:
+def _get_due_outputs(component: ScheduledComponent, tick: int, time: float) -> None:
+    """Get a component's outputs: what is discrete where its step begins, what is continuous where it ends."""
+    factor = component.decimation.factor
+    if factor == 1:
         component.instance.get_outputs(time)
         return
-    if tick % every == 0:
+    if tick % factor == 0:
         component.instance.get_outputs(time, discrete=True)
-    if (tick + 1) % every == 0:
+    if (tick + 1) % factor == 0:
         component.instance.get_outputs(time, discrete=False)

@@ -1,4 +1,4 @@
-"""Recording: rows of values, filled tick by tick, kept in memory or handed on to sinks."""
+"""Recording: rows of values, filled tick by tick, kept in memory or written to sinks."""
 
 from __future__ import annotations
 
@@ -12,18 +12,20 @@ from cosim.engine.schedule import Schedule
 from cosim.results.result import Sink
 
 BLOCK = 4096
-"""Rows in memory where they are not kept."""
+"""Rows in memory where they are not kept for the result."""
 
 
 class Recorder:
-    """Rows of ticks 0, N, 2 N, ... and the last: what is continuous as a step finds it, what is discrete as left by it.
+    """Records rows of ticks 0, N, 2 N, ... and the last.
+
+    A row holds continuous outputs as they were before the tick's step, discrete ones as they were after it.
 
     Parameters
     ----------
-    plan
+    schedule
         Of the run.
     names, units, discrete
-        Of what is recorded: name in the plan, unit, whether it is discrete.
+        Outputs to record as ``component.variable``, their units, and whether they are discrete.
     every
         N.
 
@@ -32,9 +34,9 @@ class Recorder:
     rows
         Time and recorded values, shape (rows, 1 + names): all rows of a run, or a block of them.
     first_tick
-        Whose row ``rows[0]`` is.
+        Tick of ``rows[0]``.
     continuous, discrete
-        Pairs of a column in ``rows`` and a place in the table.
+        Pairs of a column in ``rows`` and an index in the schedule's values.
     complete
         Whether the run reached its stop time.
     """
@@ -48,26 +50,29 @@ class Recorder:
         every: int,
     ) -> None:
         self.names, self.units, self.every = names, units, every
-        self._table, self._clock = schedule.table, schedule.clock
-        places = {name: place for place, name in enumerate(schedule.names)}
-        cells = np.array([(column, places[name]) for column, name in enumerate(names, 1)], np.int64).reshape(-1, 2)
+        self._values, self._clock = schedule.values, schedule.clock
+        index = {name: i for i, name in enumerate(schedule.names)}
+        pairs = np.array([(column, index[name]) for column, name in enumerate(names, 1)], np.int64).reshape(-1, 2)
         chosen = np.array(discrete, dtype=bool)
-        self._places = cells[:, 1].copy()
-        self.continuous, self.discrete = cells[~chosen], cells[chosen]
+        self._index = pairs[:, 1].copy()
+        self.continuous, self.discrete = pairs[~chosen], pairs[chosen]
         self._set_up(0, keep=False, sinks=())
 
     def _set_up(self, rows: int, keep: bool, sinks: Sequence[Sink]) -> None:
         self.rows = np.empty((rows, len(self.names) + 1))
         self._keep, self._sinks = keep, sinks
-        self._outside: Callable[[], AbstractContextManager[None]] = nullcontext
+        self._callback_context: Callable[[], AbstractContextManager[None]] = nullcontext
         self.first_tick = self._filled = self._written = 0
         self.complete = False
 
     @contextmanager
     def recording(
-        self, keep: bool, sinks: Sequence[Sink], outside: Callable[[], AbstractContextManager[None]] = nullcontext
+        self,
+        keep: bool,
+        sinks: Sequence[Sink],
+        callback_context: Callable[[], AbstractContextManager[None]] = nullcontext,
     ) -> Iterator[None]:
-        """Record a run: make room for all its rows, or for a block of them; begin and end the sinks.
+        """Record a run: allocate all its rows, or a block of them; begin and end the sinks.
 
         Parameters
         ----------
@@ -75,58 +80,64 @@ class Recorder:
             Whether all rows stay in memory.
         sinks
             What else takes them.
-        outside
-            Around each call of those, which are the caller's own.
+        callback_context
+            Context in which the sinks, which are the caller's own code, are called.
         """
         rows = -(-self._clock.steps // self.every) + 1
         self._set_up(rows if keep else min(rows, BLOCK), keep, sinks)
         if not sinks:
             yield
             return
-        self._outside = outside
+        self._callback_context = callback_context
         begun = []
         try:
-            with outside():
+            with callback_context():
                 for sink in sinks:
                     begun.append(sink)
                     sink.begin(self.names, self.units)
             yield
         finally:
-            with outside():
+            with callback_context():
                 for sink in begun:
                     sink.end(self.complete)
 
     @property
-    def room(self) -> int:
+    def capacity(self) -> int:
         """How many ticks fit between two calls of :meth:`flush`."""
         return (len(self.rows) - 1) * self.every
 
     def before(self, tick: int) -> None:
-        """Record time and what is continuous."""
+        """Record time and continuous outputs before the step of a tick."""
         if tick % self.every == 0:
             row = self.rows[(tick - self.first_tick) // self.every]
             row[0] = self._clock.time(tick)
-            row[self.continuous[:, 0]] = self._table[self.continuous[:, 1]]
+            row[self.continuous[:, 0]] = self._values[self.continuous[:, 1]]
 
     def after(self, tick: int) -> None:
-        """Record what is discrete; with that the row is complete."""
+        """Record discrete outputs after the step of a tick; with that the row is complete."""
         if tick % self.every == 0:
             row = self.rows[(tick - self.first_tick) // self.every]
-            row[self.discrete[:, 0]] = self._table[self.discrete[:, 1]]
+            row[self.discrete[:, 0]] = self._values[self.discrete[:, 1]]
 
     def flush(self, done: int) -> None:
-        """Hand the rows of all complete ticks, so many, on to the sinks."""
+        """Write the rows of all complete ticks to the sinks.
+
+        Parameters
+        ----------
+        done
+            Number of complete ticks.
+        """
         self._write(self._row_after(done))
         if not self._keep:
             self.first_tick += self._filled * self.every
             self._filled = self._written = 0
 
-    def last(self) -> None:
-        """Record and hand on the last row, which no step follows."""
+    def record_last(self) -> None:
+        """Record and write the last row, which no step follows."""
         steps = self._clock.steps
         row = self._row_after(steps)
         self.rows[row, 0] = self._clock.time(steps)
-        self.rows[row, 1:] = self._table[self._places]
+        self.rows[row, 1:] = self._values[self._index]
         self._write(row + 1)
 
     def _row_after(self, done: int) -> int:
@@ -136,7 +147,7 @@ class Recorder:
         self._filled = filled
         if filled > self._written:
             if self._sinks:
-                with self._outside():
+                with self._callback_context():
                     for sink in self._sinks:
                         sink.write(self.rows[self._written : filled])
             self._written = filled

@@ -1,4 +1,4 @@
-"""Plan of a run: who steps when and with whom. The loops in C and in Python turn the same plan."""
+"""Schedule of a run: which components step when, in which groups; the steppers in C and in Python follow it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from cosim.engine.clock import Clock
-from cosim.errors import SetupError
+from cosim.errors import Problems, SetupError
 from cosim.fmi.isolated import AnyInstance
 
 
@@ -19,25 +19,25 @@ class Decimation(NamedTuple):
 
     Attributes
     ----------
-    every
-        It steps at every n-th tick ...
-    parts
-        ... in so many parts, its inputs held; one of the two is 1.
+    factor
+        It steps at every factor-th tick ...
+    substeps
+        ... in so many substeps, its inputs held; one of the two is 1.
     step_size
-        Of one part, in s.
+        Of one substep, in s.
     """
 
-    every: int
-    parts: int
+    factor: int
+    substeps: int
     step_size: float
 
-    def time(self, tick: int, part: int = 0) -> float:
-        """Return when a part begins, in s: a product, so that rounding errors do not add up."""
-        return (tick // self.every * self.parts + part) * self.step_size
+    def time(self, tick: int, substep: int = 0) -> float:
+        """Return when a substep begins, in s: a product, so that rounding errors do not add up."""
+        return (tick // self.factor * self.substeps + substep) * self.step_size
 
 
 def decimations(component_steps: Mapping[str, float], components: Sequence[str], clock: Clock) -> dict[str, Decimation]:
-    """Find out how each component steps.
+    """Derive how each component steps.
 
     Parameters
     ----------
@@ -48,85 +48,94 @@ def decimations(component_steps: Mapping[str, float], components: Sequence[str],
     clock
         Of the run.
 
+    Returns
+    -------
+    dict
+        Component to its decimation.
+
     Raises
     ------
     SetupError
-        If a step size neither holds a whole number of the clock's nor the other way round, or does not fit into the
-        run: nothing steps past the stop.
+        If a step size is neither a multiple nor a whole part of the clock's, or does not fit into the run: no component
+        steps past the stop time.
     """
     found = {name: Decimation(1, 1, clock.step_size) for name in components}
-    problems: list[str] = []
+    problems = Problems()
     for name, step in component_steps.items():
-        try:
+        with problems.collected():
             if name not in found:
                 raise SetupError(f"step size of {name}: expected a component among {', '.join(components)}")
-            found[name] = _rate(name, step, clock)
-        except SetupError as error:
-            problems += error.problems
-    if problems:
-        raise SetupError(*problems)
+            found[name] = _decimation(name, step, clock)
+    problems.raise_any()
     return found
 
 
-def _rate(name: str, step: float, clock: Clock) -> Decimation:
-    """Find out how a component of a step size of its own, in s, steps."""
+def _decimation(name: str, step: float, clock: Clock) -> Decimation:
     h = clock.step_size
     if not 0.0 < step < math.inf:
         raise SetupError(f"step size of {name}: expected a finite number of seconds above 0, got {step}")
-    every, parts = max(1, round(step / h)), max(1, round(h / step))
-    if abs(every * h - parts * step) > 1e-9 * max(step, h):
+    factor, substeps = max(1, round(step / h)), max(1, round(h / step))
+    if abs(factor * h - substeps * step) > 1e-9 * max(step, h):
         raise SetupError(f"step size of {name}: expected a multiple or a whole part of {h} s, got {step} s")
-    if clock.steps % every:
+    if clock.steps % factor:
         raise SetupError(f"step size of {name}: expected one that fits into {clock.stop_time:g} s, got {step} s")
-    return Decimation(every, parts, step)
+    return Decimation(factor, substeps, step)
 
 
 @dataclass(frozen=True)
 class ScheduledComponent:
-    """A component in its turn."""
+    """A component of a schedule.
+
+    Attributes
+    ----------
+    instance
+        What steps.
+    decimation
+        How it steps along with the communication steps.
+    """
 
     instance: AnyInstance
-    rate: Decimation
+    decimation: Decimation
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """Who steps when.
+    """Which components step when.
 
     Attributes
     ----------
-    turns
-        Components in their order.
-    at_once
-        Whether all exchange values at once, rather than one after the other.
+    components
+        In the order in which they step.
+    jacobi
+        Whether all components exchange values at once, rather than one after the other.
     clock
-        When.
-    table
+        Of the run.
+    values
         Values of all outputs, float64.
     names
-        What stands in the table.
+        Names of these outputs, as ``component.variable``.
     """
 
     components: Sequence[ScheduledComponent]
     jacobi: bool
     clock: Clock
-    table: np.ndarray[Any, Any]
+    values: np.ndarray[Any, Any]
     names: Sequence[str]
 
     @property
     def groups(self) -> list[Sequence[ScheduledComponent]]:
-        """Who exchanges values with nobody in between: in a sequence, each is a group of its own."""
+        """Components that exchange values at once; in a sequence each is a group of its own."""
         return [self.components] if self.jacobi else [[component] for component in self.components]
 
 
 class Stepper(Protocol):
-    """Turns the crank of a plan, run after run; each begins with :meth:`settle`."""
+    """Steps the components of a schedule, run after run; each run starts with :meth:`initialize`."""
 
     done: int
     """Number of ticks that are complete."""
 
-    def settle(self) -> None:
-        """Pass initial outputs along the connections until they settle.
+    def initialize(self) -> None:
+        """Exchange initial values along the connections until nothing changes.
 
         Raises
         ------
@@ -134,14 +143,25 @@ class Stepper(Protocol):
             If an FMU refuses a call.
         """
 
-    def read(self) -> None:
-        """Read all outputs; raises as :meth:`settle` does."""
-
-    def run(self, first: int, last: int) -> None:
-        """Step from one tick to another, recording.
+    def get_outputs(self) -> None:
+        """Get all outputs.
 
         Raises
         ------
         RunError
-            If an FMU refuses a call or gives what is no number; ``done`` says how far it came.
+            If an FMU refuses a call.
+        """
+
+    def run(self, first: int, last: int) -> None:
+        """Step from one tick to another and record.
+
+        Parameters
+        ----------
+        first, last
+            Ticks.
+
+        Raises
+        ------
+        RunError
+            If an FMU refuses a call or an output is not finite; ``done`` says how far it came.
         """

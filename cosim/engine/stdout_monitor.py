@@ -1,4 +1,4 @@
-"""Who prints while FMUs step: found out without a look after every call, which would cost more than most steps."""
+"""Which component prints while FMUs step, found without collecting output after every call."""
 
 from __future__ import annotations
 
@@ -11,88 +11,88 @@ from cosim.fmi.output_capture import printed
 
 
 class StdoutMonitor:
-    """A loop, and a look after every chunk of its steps at what was printed.
+    """A stepper that collects after every chunk of steps what was printed.
 
-    What turns up there may be anybody's. So the next tick is turned in Python, with a look after each component: that
-    finds who prints in every step. Who prints but once stays one of many.
+    Output of a chunk is ambiguous: any component may have printed it. So the next tick is stepped by a probe, in
+    Python, which collects output after each call. That attributes what a component prints in every step; what is
+    printed only once stays ambiguous.
 
     Parameters
     ----------
-    loop
-        What turns the crank.
-    plan, recorder
-        Its own.
+    stepper
+        Steps the components.
+    schedule, recorder
+        Those of the stepper.
     names
         Components that may print: those in this process.
-
     """
 
-    def __init__(self, loop: Stepper, schedule: Schedule, recorder: Recorder, names: Sequence[str]) -> None:
-        self._loop = loop
-        self._alone = PythonStepper(schedule, recorder, listening=True)
+    def __init__(self, stepper: Stepper, schedule: Schedule, recorder: Recorder, names: Sequence[str]) -> None:
+        self._stepper = stepper
+        self._probe = PythonStepper(schedule, recorder, collect_stdout=True)
         self._clock = schedule.clock
-        self._who = " or ".join(names)
-        self._wondering = False
-        self._told: dict[str, str] = {}
+        self._names = " or ".join(names)
+        self._ambiguous = False
+        self._reported: dict[str, str] = {}
 
     @property
     def warnings(self) -> list[str]:
-        """What was printed in this run by nobody knows whom."""
-        return list(self._told.values())
+        """What was printed in this run and is not attributed to a component."""
+        return list(self._reported.values())
 
     @property
     def done(self) -> int:
         """Number of ticks that are complete."""
-        return self._loop.done
+        return self._stepper.done
 
     @done.setter
     def done(self, ticks: int) -> None:
-        self._loop.done = ticks
+        self._stepper.done = ticks
 
-    def settle(self) -> None:
-        """Pass initial outputs along the connections until they settle."""
-        self._told.clear()
-        self._wondering = self._alone.heard = False
+    def initialize(self) -> None:
+        """Exchange initial values along the connections until nothing changes."""
+        self._reported.clear()
+        self._ambiguous = self._probe.attributed = False
         try:
-            self._loop.settle()
+            self._stepper.initialize()
         finally:
-            self._look(0, 0)
+            self._collect(0, 0)
 
-    def read(self) -> None:
-        """Read all outputs."""
+    def get_outputs(self) -> None:
+        """Get all outputs."""
         try:
-            self._loop.read()
+            self._stepper.get_outputs()
         finally:
-            self._look(0, 0)
+            self._collect(0, 0)
 
     def run(self, first: int, last: int) -> None:
-        """Step from one tick to another, recording."""
-        if self._wondering:
-            self._find_out(first)
+        """Step from one tick to another and record."""
+        if self._ambiguous:
+            self._attribute(first)
             first += 1
         try:
             if first < last:
-                self._loop.run(first, last)
+                self._stepper.run(first, last)
         finally:
-            self._look(first, self.done)
+            self._collect(first, self.done)
 
-    def _find_out(self, tick: int) -> None:
-        """Step from one tick to the next and see who prints."""
-        self._wondering = False
-        self._alone.done = tick
+    def _attribute(self, tick: int) -> None:
+        """Step from one tick to the next by the probe."""
+        self._ambiguous = False
+        self._probe.done = tick
         try:
-            self._alone.run(tick, tick + 1)
+            self._probe.run(tick, tick + 1)
         finally:
-            self._loop.done = self._alone.done
-            if self._alone.heard:
-                self._told.pop("doStep", None)
+            self._stepper.done = self._probe.done
+            if self._probe.attributed:
+                self._reported.pop("doStep", None)
 
-    def _look(self, first: int, last: int) -> None:
-        """Look what was printed between two ticks; 0 and 0 stand for the initial exchange."""
+    def _collect(self, first: int, last: int) -> None:
+        """Collect what was printed between two ticks; 0 and 0 stand for the initial exchange."""
         text = printed()
-        if not text or self._alone.heard:
+        if not text or self._probe.attributed:
             return
         begin, end = self._clock.time(first), self._clock.time(last)
         call, when = ("doStep", f"{begin:g} to {end:g}") if last else ("initial exchange", "0")
-        self._told.setdefault(call, f"{self._who}: printed to stdout in {call} at t = {when} s: {text}")
-        self._wondering = last > 0
+        self._reported.setdefault(call, f"{self._names}: printed to stdout in {call} at t = {when} s: {text}")
+        self._ambiguous = last > 0

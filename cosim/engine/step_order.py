@@ -1,9 +1,9 @@
-"""When values reach whom: the order in which components step, and the delay that each connection gets from it.
+"""Order in which components step, and the delay that each connection gets from it.
 
-A component that steps earlier hands its newest output to those after it. For a *discrete* output, computed from the
+A component that steps earlier passes its newest output to those after it. For a *discrete* output, computed from the
 samples of t_k and held, that is the value of t_k: no delay. For a *continuous* one it is the value of the step's end,
-t_(k+1), while the taker still begins at t_k: one step ahead of its time. So a sampler goes before those it feeds, and
-what is continuous after them.
+t_(k+1), while the receiver still begins at t_k: one step early. So a sampler steps before the components it feeds, and
+continuous components step after those they feed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,15 @@ from typing import NamedTuple
 
 
 class Edge(NamedTuple):
-    """A connection between components, as far as its timing goes."""
+    """Timing of a connection between components.
+
+    Attributes
+    ----------
+    source, sink
+        Components.
+    discrete
+        Whether the source's output is discrete.
+    """
 
     source: str
     sink: str
@@ -21,17 +29,17 @@ class Edge(NamedTuple):
 
     @property
     def first(self) -> str:
-        """Who steps first if the value is to be that of t_k."""
+        """Which component must step first if the value is to be that of t_k."""
         return self.source if self.discrete else self.sink
 
     @property
     def second(self) -> str:
-        """Who steps second."""
+        """Which component must step second."""
         return self.sink if self.discrete else self.source
 
 
 def propose(names: Sequence[str], edges: Iterable[Edge]) -> tuple[tuple[str, ...], list[Edge]]:
-    """Find an order in which every connection hands over the value of t_k, as far as there is one.
+    """Propose an order in which every connection passes the value of t_k, as far as there is one.
 
     Parameters
     ----------
@@ -45,7 +53,7 @@ def propose(names: Sequence[str], edges: Iterable[Edge]) -> tuple[tuple[str, ...
     order : tuple of str
         All names.
     broken : list of Edge
-        Where a loop had to be broken: connections that hand over a value of another time.
+        Where a loop had to be broken: connections that pass the value of another time.
     """
     wanted = [edge for edge in edges if edge.source != edge.sink]
     order: list[str] = []
@@ -56,12 +64,12 @@ def propose(names: Sequence[str], edges: Iterable[Edge]) -> tuple[tuple[str, ...
             if name not in order
         }
         order.append(min(waiting, key=lambda name: len(waiting[name])))
-    place = {name: k for k, name in enumerate(order)}
-    return tuple(order), [edge for edge in wanted if place[edge.first] > place[edge.second]]
+    rank = {name: k for k, name in enumerate(order)}
+    return tuple(order), [edge for edge in wanted if rank[edge.first] > rank[edge.second]]
 
 
-def delay(edge: Edge, order: Sequence[str], together: bool) -> int:
-    """Count the communication steps by which a value is late where it is taken; negative: ahead of its time.
+def delay(edge: Edge, order: Sequence[str], jacobi: bool) -> int:
+    """Return the delay of a connection in communication steps; negative: the value is early.
 
     Parameters
     ----------
@@ -69,8 +77,8 @@ def delay(edge: Edge, order: Sequence[str], together: bool) -> int:
         The connection.
     order
         In which the components step.
-    together
+    jacobi
         Whether all components exchange values at once, before any steps.
     """
-    source_first = not together and order.index(edge.source) < order.index(edge.sink)
+    source_first = not jacobi and order.index(edge.source) < order.index(edge.sink)
     return (0 if source_first else 1) if edge.discrete else (-1 if source_first else 0)

@@ -1,4 +1,4 @@
-"""Structure: which FMUs there are, what is connected to what, in which order they step."""
+"""Structure of a system: its FMUs, their connections and the order in which they step."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from fmpy.model_description import ModelVariable
 
 from cosim.engine.clock import Clock
 from cosim.engine.step_order import Edge, propose
-from cosim.engine.unconnected_inputs import UnconnectedInputs, settle
-from cosim.errors import SetupError, did_you_mean
+from cosim.engine.unconnected_inputs import UnconnectedInputs, resolve_unconnected
+from cosim.errors import Problems, SetupError, did_you_mean
 from cosim.fmi.description import KINDS, NUMERIC, ModelDescription, Value
 from cosim.units import IDENTITY, Linear, conversion
 
@@ -23,7 +23,13 @@ ALGORITHMS: tuple[Algorithm, ...] = get_args(Algorithm)
 
 
 class VariableRef(NamedTuple):
-    """One variable of one component."""
+    """One variable of one component.
+
+    Attributes
+    ----------
+    component, variable
+        Their names.
+    """
 
     component: str
     variable: str
@@ -33,7 +39,18 @@ class VariableRef(NamedTuple):
 
     @classmethod
     def parse(cls, text: str) -> VariableRef:
-        """Split ``component.variable``; the variable's name may hold further dots."""
+        """Split ``component.variable``; the variable's name may contain further dots.
+
+        Parameters
+        ----------
+        text
+            ``component.variable``.
+
+        Raises
+        ------
+        SetupError
+            If there is no component or no variable.
+        """
         component, dot, variable = text.partition(".")
         if not (component and dot and variable):
             raise SetupError(f"{text}: expected COMPONENT.VARIABLE")
@@ -41,30 +58,30 @@ class VariableRef(NamedTuple):
 
 
 class Connection(NamedTuple):
-    """What an input takes: an output's value, transformed.
+    """What feeds an input: an output's value, transformed.
 
     Attributes
     ----------
     source
         The output.
     transformation
-        From its value to the input's: the conversion of units, if any, and then ``asked``.
-    asked
-        The transformation that was asked for.
+        From its value to the input's: the conversion of units, if any, and then ``explicit``.
+    explicit
+        The transformation that was given with the connection.
     convert_units
         Whether units are converted.
     """
 
     source: VariableRef
     transformation: Linear = IDENTITY
-    asked: Linear = IDENTITY
+    explicit: Linear = IDENTITY
     convert_units: bool = True
 
 
 class Structure:
-    """FMUs, their connections and how to run them, by their descriptions alone: nothing is loaded.
+    """FMUs, their connections and how to run them, by their descriptions alone: no FMU is loaded.
 
-    Every check that a description allows is made as soon as its two ends are known.
+    Connections are checked against the descriptions when they are made.
 
     Attributes
     ----------
@@ -73,7 +90,7 @@ class Structure:
     models
         Component to its FMU.
     connections
-        Input to what feeds it.
+        Input to the connection that feeds it.
     parameters
         ``component.variable`` to the value the system gives it; a run may give others.
     algorithm
@@ -81,9 +98,9 @@ class Structure:
     component_steps
         Component to its own step size in s, where it is not that of the system: a multiple of it or a whole part.
     stop_time
-        How long a run lasts where it says nothing else, in s; None where that is not known.
-    passed_over
-        What was left out when the system was read from a file, a line each.
+        Default stop time of a run, in s; None where that is not known.
+    ignored
+        What was ignored when the system was read from a file, one line each.
     """
 
     def __init__(self) -> None:
@@ -148,8 +165,8 @@ class Structure:
         ends = {"output": (source, self.variable(source)), "input": (sink, self.variable(sink))}
         between = f"connection {source} -> {sink}"
         problems = [
-            f"{between}: expected {port} to be an {causality}, got a {variable.causality}"
-            for causality, (port, variable) in ends.items()
+            f"{between}: expected {ref} to be an {causality}, got a {variable.causality}"
+            for causality, (ref, variable) in ends.items()
             if variable.causality != causality
         ]
         if sink in self.connections:
@@ -162,7 +179,7 @@ class Structure:
             problems.append(f"{between}: expected no transformation of values of type {kinds[0]}, got {transformation}")
         converted = self.conversion(source, sink) if convert_units else IDENTITY
         if converted is None:
-            units = " and ".join(str(self.unit(str(port))) for port in (source, sink))
+            units = " and ".join(str(self.unit(str(ref))) for ref in (source, sink))
             problems.append(f"{between}: expected two units of one dimension, got {units}")
         if problems:
             raise SetupError(*problems)
@@ -170,7 +187,12 @@ class Structure:
         self.connections[sink] = Connection(source, combined, transformation, convert_units)
 
     def disconnect(self, input: str) -> None:  # noqa: A002
-        """Free an input.
+        """Remove the connection of an input.
+
+        Parameters
+        ----------
+        input
+            ``component.variable``.
 
         Raises
         ------
@@ -180,43 +202,48 @@ class Structure:
         sink = VariableRef.parse(input)
         self.variable(sink)
         if sink not in self.connections:
-            fed = [str(port) for port in self.connections]
+            fed = [str(ref) for ref in self.connections]
             raise SetupError(f"{sink}: expected an input that is fed, got one that is free{did_you_mean(input, fed)}")
         del self.connections[sink]
 
-    def variable(self, port: VariableRef) -> ModelVariable:
+    def variable(self, ref: VariableRef) -> ModelVariable:
         """Look up a variable.
+
+        Parameters
+        ----------
+        ref
+            Which.
 
         Raises
         ------
         SetupError
             If there is no such component or variable, with the nearest names.
         """
-        if port.component not in self.models:
+        if ref.component not in self.models:
             raise SetupError(
-                f"{port}: expected a component among {', '.join(self.models) or 'none'}, got {port.component}"
-                + did_you_mean(port.component, self.models)
+                f"{ref}: expected a component among {', '.join(self.models) or 'none'}, got {ref.component}"
+                + did_you_mean(ref.component, self.models)
             )
-        return self.models[port.component].variable(port.component, port.variable)
+        return self.models[ref.component].variable(ref.component, ref.variable)
 
     def conversion(self, source: VariableRef, sink: VariableRef) -> Linear | None:
-        """Find what converts between the units of two ports; None where the dimensions differ."""
-        return conversion(*(self.models[port.component].defined_unit(self.variable(port)) for port in (source, sink)))
+        """Return the conversion between the units of two variables; None where the dimensions differ."""
+        return conversion(*(self.models[ref.component].defined_unit(self.variable(ref)) for ref in (source, sink)))
 
-    def swap(self, name: str, fmu: str | Path) -> list[VariableRef]:
+    def replace_component(self, name: str, fmu: str | Path) -> list[VariableRef]:
         """Put another FMU in a component's place and keep the connections and parameters that fit it.
 
         Parameters
         ----------
         name
-            The component; the newcomer takes its name and its place in the order.
+            The component; the replacement takes its name and its place in the order.
         fmu
-            The newcomer's ``.fmu`` file.
+            The replacement's ``.fmu`` file.
 
         Returns
         -------
-        list of Port
-            Inputs of other components that have lost what fed them.
+        list of VariableRef
+            Inputs of other components that have lost their connection.
 
         Raises
         ------
@@ -226,21 +253,23 @@ class Structure:
         if name not in self.models:
             known = ", ".join(self.models) or "none"
             raise SetupError(f"{name}: expected a component among {known}, got none{did_you_mean(name, self.models)}")
-        self.models[name] = newcomer = ModelDescription.read(fmu)
-        touched = {
-            sink: feed for sink, feed in self.connections.items() if name in (sink.component, feed.source.component)
+        self.models[name] = replacement = ModelDescription.read(fmu)
+        affected = {
+            sink: connection
+            for sink, connection in self.connections.items()
+            if name in (sink.component, connection.source.component)
         }
-        for sink in touched:
+        for sink in affected:
             del self.connections[sink]
-        for sink, feed in touched.items():
+        for sink, connection in affected.items():
             with suppress(SetupError):
-                self.connect(str(feed.source), str(sink), feed.asked, feed.convert_units)
+                self.connect(str(connection.source), str(sink), connection.explicit, connection.convert_units)
         self.parameters = {
             text: value
             for text, value in self.parameters.items()
-            if VariableRef.parse(text).component != name or VariableRef.parse(text).variable in newcomer.variables
+            if VariableRef.parse(text).component != name or VariableRef.parse(text).variable in replacement.variables
         }
-        return [sink for sink in touched if sink.component != name and sink not in self.connections]
+        return [sink for sink in affected if sink.component != name and sink not in self.connections]
 
     @property
     def order(self) -> tuple[str, ...]:
@@ -261,10 +290,14 @@ class Structure:
         return self._order is not None
 
     def edges(self) -> dict[VariableRef, Edge]:
-        """Tell of each connected input when its value is made."""
+        """Return the timing of each connected input's value."""
         return {
-            sink: Edge(feed.source.component, sink.component, self.variable(feed.source).variability != "continuous")
-            for sink, feed in self.connections.items()
+            sink: Edge(
+                connection.source.component,
+                sink.component,
+                self.variable(connection.source).variability != "continuous",
+            )
+            for sink, connection in self.connections.items()
         }
 
     @property
@@ -280,7 +313,12 @@ class Structure:
         self._step_size = seconds
 
     def clock(self, stop_time: float | None = None, step_size: float | None = None) -> Clock:
-        """Make the clock of a run, of the system's own times where None is given.
+        """Make the clock of a run.
+
+        Parameters
+        ----------
+        stop_time, step_size
+            In s; the system's where None.
 
         Raises
         ------
@@ -296,8 +334,8 @@ class Structure:
 
     # ---- checks ------------------------------------------------------------------------------------------------------
 
-    def check(
-        self, parameters: Mapping[str, Value], settled: Mapping[str, UnconnectedInputs] | None = None
+    def check_parameters(
+        self, parameters: Mapping[str, Value], unconnected: Mapping[str, UnconnectedInputs] | None = None
     ) -> dict[str, dict[str, float | str]]:
         """Check the system's own parameters and those of a run, which win, against the descriptions.
 
@@ -305,8 +343,8 @@ class Structure:
         ----------
         parameters
             ``component.variable`` to value.
-        settled
-            What :meth:`settled` gives for them, where that is known already.
+        unconnected
+            What :meth:`unconnected_inputs` returns for them, where that is known already.
 
         Returns
         -------
@@ -319,44 +357,70 @@ class Structure:
             With all problems found.
         """
         values: dict[str, dict[str, float | str]] = {name: {} for name in self.models}
-        problems: list[str] = []
+        problems = Problems()
         given = {**self.parameters, **parameters}
-        for name, inputs in (self.settled(parameters) if settled is None else settled).items():
-            problems += inputs.problems
-            given |= {f"{name}.{parameter}": value for parameter, value in inputs.settings.items()}
+        for name, inputs in (self.unconnected_inputs(parameters) if unconnected is None else unconnected).items():
+            problems.found += inputs.problems
+            given |= {f"{name}.{parameter}": value for parameter, value in inputs.parameters.items()}
         for text, value in given.items():
-            try:
-                port = VariableRef.parse(text)
-                self.variable(port)
-                if port in self.connections:
-                    raise SetupError(
-                        f"{port}: expected a free input, got one that {self.connections[port].source} feeds"
-                    )
-                values[port.component][port.variable] = self.models[port.component].value(*port, value)
-            except SetupError as error:
-                problems += error.problems
-        if problems:
-            raise SetupError(*problems)
+            with problems.collected():
+                ref = VariableRef.parse(text)
+                self.variable(ref)
+                if ref in self.connections:
+                    source = self.connections[ref].source
+                    raise SetupError(f"{ref}: expected a free input, got one that {source} feeds")
+                values[ref.component][ref.variable] = self.models[ref.component].value(*ref, value)
+        problems.raise_any()
         return values
 
-    def settled(self, parameters: Iterable[str] = ()) -> dict[str, UnconnectedInputs]:
-        """Decide what becomes of inputs that nothing feeds, by component, where a run sets these parameters."""
-        fed, given = {str(sink) for sink in self.connections}, {*self.parameters, *parameters}
-        return {name: settle(name, model, fed, given) for name, model in self.models.items()}
+    def unconnected_inputs(self, parameters: Iterable[str] = ()) -> dict[str, UnconnectedInputs]:
+        """Resolve the inputs without a connection.
+
+        Parameters
+        ----------
+        parameters
+            Names of the parameters that a run sets, as ``component.variable``.
+
+        Returns
+        -------
+        dict
+            By component.
+        """
+        connected, given = {str(sink) for sink in self.connections}, {*self.parameters, *parameters}
+        return {name: resolve_unconnected(name, model, connected, given) for name, model in self.models.items()}
 
     def notes(
-        self, parameters: Iterable[str] = (), settled: Mapping[str, UnconnectedInputs] | None = None
+        self, parameters: Iterable[str] = (), unconnected: Mapping[str, UnconnectedInputs] | None = None
     ) -> list[str]:
-        """Say what a user should know: what was passed over, and which inputs nothing feeds; see :meth:`check`."""
-        known = self.settled(parameters) if settled is None else settled
+        """List what a user should know: what was ignored, and inputs without a connection.
+
+        Parameters
+        ----------
+        parameters
+            Names of the parameters that a run sets, as ``component.variable``.
+        unconnected
+            What :meth:`unconnected_inputs` returns for them, where that is known already.
+        """
+        known = self.unconnected_inputs(parameters) if unconnected is None else unconnected
         return [*self.ignored, *(note for inputs in known.values() for note in inputs.notes)]
 
     def outputs(self) -> list[str]:
-        """Name all outputs as ``component.variable``, in order."""
+        """Return all outputs as ``component.variable``, in order."""
         return [f"{name}.{v.name}" for name, model in self.models.items() for v in model.outputs]
 
     def recorded(self, record: Iterable[str] | None) -> list[str]:
-        """Check which outputs to record; all where None is given."""
+        """Check which outputs to record.
+
+        Parameters
+        ----------
+        record
+            Outputs as ``component.variable``; all where None.
+
+        Raises
+        ------
+        SetupError
+            With all names that are no output.
+        """
         if record is None:
             return self.outputs()
         known = self.outputs()
@@ -367,11 +431,11 @@ class Structure:
             raise SetupError(*problems)
         return list(record)
 
-    def unit(self, port: str) -> str | None:
+    def unit(self, ref: str) -> str | None:
         """Return the unit of ``component.variable``."""
-        component, variable = VariableRef.parse(port)
+        component, variable = VariableRef.parse(ref)
         return self.models[component].unit(self.variable(VariableRef(component, variable)))
 
-    def start(self, port: str) -> float:
+    def start(self, ref: str) -> float:
         """Return the start value of the number ``component.variable``."""
-        return float(self.variable(VariableRef.parse(port)).start)
+        return float(self.variable(VariableRef.parse(ref)).start)

@@ -1,4 +1,4 @@
-"""How values pass between FMUs and the table of all outputs, and what of it a loop in C can call."""
+"""How values pass between an FMU and the table of all outputs, and what of it the loop in C can call."""
 
 from __future__ import annotations
 
@@ -36,24 +36,24 @@ class AccessCall:
 
 @dataclass(frozen=True)
 class VariableAccess:
-    """Some variables of one type, moved between the FMU and a part of a table of values.
+    """Some variables of one type, moved between the FMU and a part of the table of values.
 
     Attributes
     ----------
-    access
-        How.
-    places
-        Where in the table each value belongs.
+    call
+        The call that moves them.
+    index
+        Index of each value in the table.
     factors, offsets
-        What transforms values on their way from the table; both None where they stay as they are.
+        Transform values on their way from the table; both None where they stay as they are.
     discrete
         Whether the variables are discrete outputs.
     direct
-        Whether the FMU writes into the table itself, of which ``buffer`` is a part.
+        Whether the FMU writes into the table itself, of which the call's buffer is a part.
     """
 
-    access: AccessCall
-    places: np.ndarray[Any, Any]
+    call: AccessCall
+    index: np.ndarray[Any, Any]
     factors: np.ndarray[Any, Any] | None = None
     offsets: np.ndarray[Any, Any] | None = None
     discrete: bool = False
@@ -62,21 +62,21 @@ class VariableAccess:
 
 @dataclass(frozen=True)
 class NativeCalls:
-    """What a loop in C needs of an instance to call the FMU's own functions.
+    """What the loop in C needs of an instance to call the FMU's own functions.
 
     Attributes
     ----------
-    standard
+    fmi_version
         Major version of FMI.
     component
         The instance's pointer.
     step_name, step
         Name and function of the step.
     inputs, outputs
-        What is set before it and got after it.
+        Variables that are set before it and got after it.
     """
 
-    standard: int
+    fmi_version: int
     component: int
     step_name: str
     step: Any

@@ -16,7 +16,7 @@ from fmpy.model_description import ModelVariable
 
 from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.archive import is_file, leaves, open_archive
-from cosim.fmi.repairs import DESCRIPTION, mended
+from cosim.fmi.repairs import DESCRIPTION, repaired
 from cosim.units import Unit
 
 Value = float | bool | str
@@ -77,7 +77,7 @@ class ModelDescription:
         try:
             opened = _opened(file, member)
             open_archive(opened, path).close()
-            description = fmpy.read_model_description(mended(opened, str(path / DESCRIPTION)), validate=False)
+            description = fmpy.read_model_description(repaired(opened, str(path / DESCRIPTION)), validate=False)
             platforms = fmpy.supported_platforms(opened)
             model = cls(file, description, {variable.name: variable for variable in description.modelVariables}, member)
             model._check_numbers()
@@ -131,6 +131,27 @@ class ModelDescription:
     def open(self) -> str | BinaryIO:
         """Return what fmpy and zipfile open: the file's name, or the archive's member."""
         return _opened(self.path, self.member)
+
+    def extract(self, folder: Path) -> None:
+        """Extract the FMU into a folder.
+
+        Parameters
+        ----------
+        folder
+            It exists.
+
+        Raises
+        ------
+        SetupError
+            If the archive is damaged or holds what it should not; then nothing is extracted.
+        """
+        try:
+            with open_archive(self.open(), self.where) as archive:
+                archive.extractall(folder)
+        except SetupError:
+            raise
+        except Exception as error:  # zip errors, unknown compression, a full disk
+            raise SetupError(f"{self.where}: expected an archive that can be extracted, got: {error}") from error
 
     @property
     def outputs(self) -> list[ModelVariable]:

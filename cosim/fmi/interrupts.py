@@ -1,8 +1,8 @@
-"""Ctrl-C while FMUs are called: it waits until nothing is left half done.
+"""Interrupts by the user (SIGINT) while FMUs are called: deferred until nothing is left half done.
 
-Python raises :class:`KeyboardInterrupt` between any two of its instructions. In the middle of making or freeing an
-instance that loses it; in the code of an FMU written in Python it looks like an error of the FMU; in a function that an
-FMU calls it is swallowed. So it is held back, and raised by those who look.
+Python raises :class:`KeyboardInterrupt` between any two of its instructions. While an instance is made or freed, that
+would lose the instance; in an FMU written in Python it looks like an error of the FMU; in a function that an FMU calls
+it is swallowed. So the interrupt is deferred, and raised by :func:`check` where that is safe.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from types import FrameType
 from typing import Any
 
 _handlers: list[Any] = []
-"""What an interrupt calls where it is not held, once for each session that watches."""
+"""Handlers that were installed before, one for each block that defers interrupts."""
 
-_holding: list[None] = []
-"""As many as there are blocks that hold it."""
+_sections: list[None] = []
+"""One entry for each critical section that is open."""
 
-_waiting: list[tuple[Any, ...]] = []
-"""An interrupt that waits: what it would have called, and with what."""
+_deferred: list[tuple[Any, ...]] = []
+"""A deferred interrupt: the handler that it would have called, and its arguments."""
 
 
 @contextmanager
 def deferring_sigint() -> Iterator[None]:
-    """Let Ctrl-C be held in some parts of a block; only the main thread hears it."""
+    """Defer interrupts in the critical sections of a block; only the main thread receives signals."""
     handler = signal.getsignal(signal.SIGINT)
     if not _in_main_thread() or not callable(handler):
         yield
@@ -43,35 +43,35 @@ def deferring_sigint() -> Iterator[None]:
 
 @contextmanager
 def critical_section() -> Iterator[None]:
-    """Hold Ctrl-C back until :func:`check` or the end of the block; the second one in a row is raised at once."""
+    """Defer interrupts until :func:`check` or the end of the block; a second one in a row is raised immediately."""
     if not _in_main_thread():
         yield
         return
-    _holding.append(None)
+    _sections.append(None)
     try:
         yield
     finally:
-        _holding.pop()
+        _sections.pop()
         check()
 
 
 def check() -> None:
-    """Let an interrupt that waits happen now.
+    """Raise a deferred interrupt.
 
     Raises
     ------
     KeyboardInterrupt
-        If there is one, and the program has not decided otherwise.
+        If there is one and the handler of the program raises it.
     """
-    if _waiting and _in_main_thread():
-        handler, *arguments = _waiting.pop()
+    if _deferred and _in_main_thread():
+        handler, *arguments = _deferred.pop()
         handler(*arguments)
 
 
 def _handle(number: int, frame: FrameType | None) -> None:
-    at_once = bool(_waiting) or not _holding
-    _waiting[:] = [(_handlers[-1], number, frame)]
-    if at_once:
+    immediately = bool(_deferred) or not _sections
+    _deferred[:] = [(_handlers[-1], number, frame)]
+    if immediately:
         check()
 
 

@@ -1,4 +1,4 @@
-"""What an FMU says in a run, and in which call it said it."""
+"""Messages of an FMU, each with the call in which it came."""
 
 from __future__ import annotations
 
@@ -7,11 +7,23 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 WARNING = 1
-"""The status of a call that went well, but not quite; FMI 2.0 and 3.0 number alike."""
+"""Status of a call that succeeded with a warning; FMI 2.0 and 3.0 number their status alike."""
 
 
-class Entry(NamedTuple):
-    """A message: its status, its text, in which call and at which time in s it came."""
+class Message(NamedTuple):
+    """A message of an FMU.
+
+    Attributes
+    ----------
+    status
+        As the FMU gave it.
+    text
+        The message.
+    call
+        Name of the function that was called.
+    time
+        Simulated time of the call, in s.
+    """
 
     status: int
     text: str
@@ -25,10 +37,10 @@ class MessageLog:
     Attributes
     ----------
     call, time
-        What is called now and at which time, in s; kept up to date by those who call.
-    elsewhere
-        Tells both while calls are made by others than Python; None otherwise.
-    entries
+        Name and time in s of the current call; kept up to date by whoever calls.
+    native_call
+        Returns both while the loop in C calls; None otherwise.
+    messages
         The messages.
     length
         How many came since the instance was made.
@@ -39,47 +51,73 @@ class MessageLog:
         self.time = 0.0
         self.native_call: Callable[[], tuple[str, float]] | None = None
         self.length = 0
-        self.entries: deque[Entry] = deque(maxlen=1000)
+        self.messages: deque[Message] = deque(maxlen=1000)
         self._reported: set[str] = set()
 
     def clear(self) -> None:
-        """Begin a run."""
-        if self.entries:
-            self.entries.clear()
+        """Remove the messages of the run before."""
+        if self.messages:
+            self.messages.clear()
             self._reported.clear()
 
     def add(self, status: int, text: str) -> None:
-        """Take a message of the FMU."""
+        """Add a message of the FMU.
+
+        Parameters
+        ----------
+        status
+            As the FMU gave it.
+        text
+            The message.
+        """
         self._add(status, text, *(self.native_call() if self.native_call else (self.call, self.time)))
 
     def warned(self, call: str, time: float) -> None:
-        """Take note of a call at a time in s that went well with a warning, once a run; it may not have said why."""
+        """Note that a call returned a warning, once a run; the FMU may have sent no message.
+
+        Parameters
+        ----------
+        call
+            Name of the function.
+        time
+            Simulated time, in s.
+        """
         if call in self._reported:
             return
         self._reported.add(call)
-        if not any(e.status == WARNING and (e.call, e.time) == (call, time) for e in self.entries):
+        if not any(m.status == WARNING and (m.call, m.time) == (call, time) for m in self.messages):
             self._add(WARNING, f"{call} returned a warning", call, time)
 
     def printed(self, call: str, time: float, text: str) -> None:
-        """Take note of what was printed in a call at a time in s, once a run."""
-        said = f"printed to stdout in {call}"
-        if said not in self._reported:
-            self._reported.add(said)
-            self._add(WARNING, f"{said} at t = {time:g} s: {text}", "", time)
+        """Note what was printed in a call, once a run.
+
+        Parameters
+        ----------
+        call
+            Name of the function.
+        time
+            Simulated time, in s.
+        text
+            What was printed.
+        """
+        what = f"printed to stdout in {call}"
+        if what not in self._reported:
+            self._reported.add(what)
+            self._add(WARNING, f"{what} at t = {time:g} s: {text}", "", time)
 
     def _add(self, status: int, text: str, call: str, time: float) -> None:
-        self.entries.append(Entry(status, text, call, time))
+        self.messages.append(Message(status, text, call, time))
         self.length += 1
 
     @property
     def last_error(self) -> str:
-        """The newest message that tells of more than a warning; empty if there is none."""
-        return next((entry.text for entry in reversed(self.entries) if entry.status > WARNING), "")
+        """The newest message of a status worse than a warning; empty if there is none."""
+        return next((message.text for message in reversed(self.messages) if message.status > WARNING), "")
 
     @property
     def warnings(self) -> list[str]:
-        """What was warned of, each text once, with the call and the time of the first."""
+        """Warnings, each text once, with call and time of the first."""
         found: dict[str, str] = {}
-        for _, text, call, time in (entry for entry in self.entries if entry.status == WARNING):
+        for _, text, call, time in (message for message in self.messages if message.status == WARNING):
             found.setdefault(text, f"{text} ({call}, t = {time:g} s)" if call else text)
         return list(found.values())

@@ -1,7 +1,7 @@
-"""Standard output while FMUs run: what they print goes to a file and becomes a warning instead of spoiling ours.
+"""Standard output while FMUs run: what they print goes to a file and becomes a warning.
 
-File descriptor 1 belongs to the whole process. While it is diverted, whatever another thread prints is diverted, too,
-and cannot be told from what an FMU prints; sessions that overlap in several threads share the newest diversion.
+File descriptor 1 belongs to the whole process. While it is captured, what another thread prints is captured, too, and
+cannot be told from what an FMU prints; sessions that overlap in several threads share the newest capture.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ _libc = ctypes.CDLL(None) if os.name == "posix" else ctypes.CDLL("ucrtbase")
 _FD = 1
 
 _lock = threading.Lock()
-_diversions: list[Diversion] = []
-"""Those in force; output goes to the last."""
+_captures: list[OutputCapture] = []
+"""Captures that are on; output goes to the last."""
 
-_kept: list[int] = []
-"""A copy of the descriptor as it was before the first of them, or nothing where it was closed."""
+_original: list[int] = []
+"""A copy of the descriptor as it was before the first capture, or nothing where it was closed."""
 
 
 def _c_stdout() -> ctypes.c_void_p:
@@ -36,11 +36,11 @@ def _c_stdout() -> ctypes.c_void_p:
 
 
 _STREAM = _c_stdout()
-_libc.fflush.argtypes = [ctypes.c_void_p]  # also the quicker way
+_libc.fflush.argtypes = [ctypes.c_void_p]  # also faster
 
 
-class Diversion:
-    """A file that takes standard output while the context ``on`` is open; as often as wanted, until ``close``."""
+class OutputCapture:
+    """A file that receives standard output while the context ``on`` is open, any number of times, until ``close``."""
 
     def __init__(self) -> None:
         self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
@@ -49,12 +49,12 @@ class Diversion:
         self._python: TextIO | None = None
 
     def close(self) -> None:
-        """Give the file up."""
+        """Close the file."""
         self._text.close()
 
     @contextmanager
     def on(self) -> Iterator[None]:
-        """Divert descriptor 1 and ``sys.stdout``; both are as before afterwards, whatever happens."""
+        """Capture descriptor 1 and ``sys.stdout``; both are restored afterwards."""
         self._begin()
         try:
             yield
@@ -63,7 +63,7 @@ class Diversion:
 
     @contextmanager
     def off(self) -> Iterator[None]:
-        """Inside ``on``: give a caller's own code its standard output back."""
+        """Inside ``on``: restore standard output for a caller's own code."""
         self._end()
         try:
             yield
@@ -73,33 +73,33 @@ class Diversion:
     def _begin(self) -> None:
         with _lock:
             _flush()
-            if not _diversions:
+            if not _captures:
                 with suppress(OSError):  # a process may have no standard output
-                    _kept.append(os.dup(_FD))
-            _diversions.append(self)
-            self._aim()
+                    _original.append(os.dup(_FD))
+            _captures.append(self)
+            self._redirect()
             self._python, sys.stdout = sys.stdout, self._text
 
     def _end(self) -> None:
         with _lock:
             _flush()
-            _diversions.remove(self)
-            self._aim()
-            if not _diversions and _kept:
-                os.close(_kept.pop())
+            _captures.remove(self)
+            self._redirect()
+            if not _captures and _original:
+                os.close(_original.pop())
             if sys.stdout is self._text and self._python is not None:
                 sys.stdout = self._python
 
     @staticmethod
-    def _aim() -> None:
-        """Let the descriptor lead to the last diversion, or to where it led before all of them."""
-        if _kept:
-            os.dup2(_diversions[-1]._number if _diversions else _kept[0], _FD)
+    def _redirect() -> None:
+        """Point the descriptor to the last capture, or to where it pointed before all of them."""
+        if _original:
+            os.dup2(_captures[-1]._number if _captures else _original[0], _FD)
 
     def take(self) -> str:
-        """Return what was printed since the last time, and forget it."""
-        size = os.lseek(self._number, 0, os.SEEK_CUR)  # the descriptors share their position; far cheaper than fstat
-        if not size:  # nearly always, and often asked
+        """Return what was printed since the last time, and remove it from the file."""
+        size = os.lseek(self._number, 0, os.SEEK_CUR)  # the descriptors share their position; much faster than fstat
+        if not size:  # nearly always, and called often
             return ""
         os.lseek(self._number, 0, os.SEEK_SET)
         found = os.read(self._number, size)
@@ -115,11 +115,17 @@ def _flush() -> None:
 
 
 def printed() -> str:
-    """Describe what was printed since the last time while output is diverted: its first line; empty if nothing was."""
-    if not _diversions:
+    """Describe what was printed since the last time while output is captured.
+
+    Returns
+    -------
+    str
+        The first line and the number of further ones; empty if nothing was printed.
+    """
+    if not _captures:
         return ""
     _libc.fflush(_STREAM)
-    text = _diversions[-1].take()
+    text = _captures[-1].take()
     if not text:
         return ""
     lines = text.strip().splitlines()

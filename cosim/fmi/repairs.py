@@ -1,4 +1,4 @@
-"""Descriptions as they are found in the wild: what breaks the standard in a way whose meaning is plain is mended."""
+"""Repairs of descriptions that violate the standard, where the meaning is clear."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from cosim.fmi.xml import parse
 DESCRIPTION = "modelDescription.xml"
 
 
-def mended(fmu: str | BinaryIO, where: str) -> str | BinaryIO:
-    """Read an FMU's description and mend it.
+def repaired(fmu: str | BinaryIO, where: str) -> str | BinaryIO:
+    """Read an FMU's description and repair it.
 
-    Known so far: FMI 2 parameters without a variability (pythonfmu writes them unless told otherwise). By the standard
-    they would be continuous, which a parameter must not be; they are taken as fixed.
+    FMI 2 parameters without a variability become fixed: by the standard they would be continuous, which a parameter
+    must not be. pythonfmu writes such parameters.
 
     Parameters
     ----------
     fmu
         File name, or open file.
     where
-        What to call it in messages.
+        Name of the file, for messages.
 
     Returns
     -------
     str or BinaryIO
-        An archive with the mended description, or the FMU itself if there is nothing to mend.
+        An archive with the repaired description, or the FMU itself if there is nothing to repair.
 
     Raises
     ------
     SetupError
-        If the description is no XML, or not such as can be trusted, see :mod:`cosim.fmi.xml`.
+        If the description is no XML, or of a kind that is refused, see :mod:`cosim.fmi.xml`.
     """
     with zipfile.ZipFile(fmu) as archive:
         tree = parse(archive.read(DESCRIPTION), where)

@@ -1,12 +1,10 @@
-"""The other side of :mod:`cosim.fmi.isolated`: a process that runs one FMU and answers questions about it."""
+"""The process of an :class:`cosim.fmi.isolated.IsolatedInstance`: drives one FMU and answers requests."""
 
 from __future__ import annotations
 
 import os
 import pickle
 import select
-import signal
-import sys
 import threading
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
@@ -15,11 +13,13 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import CosimError
-from cosim.fmi.instance import Instance, instantiate
-from cosim.fmi.output_capture import Diversion
+from cosim.fmi.child_process import parent_connection
+from cosim.fmi.instance import Instance
+from cosim.fmi.output_capture import OutputCapture
+from cosim.fmi.versions import instantiate
 
 VALUES = b"values: "
-"""What a message of raw float64 begins with, as long as one of them; all others are pickled."""
+"""Prefix of a message of raw float64, as long as one of them; all other messages are pickled."""
 
 
 @dataclass
@@ -42,40 +42,50 @@ class Answer:
 
 
 class Worker:
-    """Holds the instance and does what is asked."""
+    """Holds the instance and carries out requests."""
 
     def __init__(self) -> None:
         self._instance: Instance | None = None
-        self._table = np.zeros(0)
-        self._inputs = self._outputs = self._table
-        self._known = 0
+        self._values = np.zeros(0)
+        self._inputs = self._outputs = self._values
+        self._reported = 0
 
-    def answer(self, question: bytes) -> bytes:
-        """Do what is asked; whatever goes wrong is part of the answer."""
+    def answer(self, request: bytes) -> bytes:
+        """Carry out a request; an exception becomes part of the answer.
+
+        Parameters
+        ----------
+        request
+            :data:`VALUES` and raw float64 (time, step size, inputs), or a pickled name of a method with its arguments.
+
+        Returns
+        -------
+        bytes
+            :data:`VALUES` and the outputs, or a pickled :class:`Answer`.
+        """
         error = None
         try:
-            if question.startswith(VALUES):
-                self._exchange(np.frombuffer(question, offset=len(VALUES)))
+            if request.startswith(VALUES):
+                self._exchange(np.frombuffer(request, offset=len(VALUES)))
             else:
-                method, *arguments = pickle.loads(question)
+                method, *arguments = pickle.loads(request)
                 self._call(method, arguments)
         except CosimError as failure:
             error = str(failure)
         except Exception as failure:
             error = f"{type(failure).__name__} in the isolated process: {failure}"
-        if question.startswith(VALUES) and error is None and not self._news():
+        if request.startswith(VALUES) and error is None and not self._has_new_messages():
             return VALUES + self._outputs.tobytes()
         warnings = self._instance.warnings if self._instance is not None else []
         return pickle.dumps(Answer(self._outputs.tobytes(), warnings, error))
 
-    def _news(self) -> bool:
-        """Whether the FMU said something since the last time."""
+    def _has_new_messages(self) -> bool:
         assert self._instance is not None
-        known, self._known = self._known, self._instance.messages.length
-        return self._known > known
+        reported, self._reported = self._reported, self._instance.messages.length
+        return self._reported > reported
 
     def _exchange(self, values: np.ndarray[Any, Any]) -> None:
-        """Take inputs, step if the step size is not zero, give outputs."""
+        """Set inputs, step if the step size is not zero, get outputs."""
         assert self._instance is not None
         time, step_size = values[:2].tolist()
         self._inputs[:] = values[2:]
@@ -89,44 +99,49 @@ class Worker:
         except Exception as error:
             raise self._instance.failure(error, call, time) from error
         finally:
-            self._instance.listen(call, time)
+            self._instance.collect_stdout(call, time)
 
     def _call(self, method: str, arguments: list[Any]) -> None:
         if method == "load":
             self._instance = instantiate(*arguments)
-        elif method == "wire":
-            self._wire(*arguments)
+        elif method == "map_variables":
+            self._map_variables(*arguments)
         else:
             getattr(self._instance, method)(*arguments)
 
-    def _wire(self, outputs: dict[str, int], inputs: dict[str, Any]) -> None:
+    def _map_variables(self, outputs: dict[str, int], inputs: dict[str, Any]) -> None:
         assert self._instance is not None
-        self._table = np.zeros(len(inputs) + len(outputs))
-        self._inputs, self._outputs = self._table[: len(inputs)], self._table[len(inputs) :]
-        self._instance.wire(self._table, outputs, inputs)
+        self._values = np.zeros(len(inputs) + len(outputs))
+        self._inputs, self._outputs = self._values[: len(inputs)], self._values[len(inputs) :]
+        self._instance.map_variables(self._values, outputs, inputs)
 
 
 def serve(connection: Connection) -> None:
-    """Answer questions until there are no more; what the FMU prints becomes its warnings."""
+    """Answer requests until the pipe is closed; what the FMU prints becomes its warnings.
+
+    Parameters
+    ----------
+    connection
+        The pipe.
+    """
     worker = Worker()
-    with Diversion().on():
+    with OutputCapture().on():
         while True:
             connection.send_bytes(worker.answer(connection.recv_bytes()))
 
 
-def _end_with(connection: Connection) -> None:
-    """End this process when the other side is gone, also in the middle of a call."""
-    gone = select.poll()
-    gone.register(connection.fileno(), 0)  # a hang-up comes unasked
-    gone.poll()
-    os._exit(0)  # foreign libraries may crash on a regular end
+def _exit_with_parent(connection: Connection) -> None:
+    """Exit when the parent has closed the pipe, also in the middle of a call."""
+    closed = select.poll()
+    closed.register(connection.fileno(), 0)  # a hang-up is always reported
+    closed.poll()
+    os._exit(0)  # foreign libraries may crash at a regular exit
 
 
 def main() -> None:
-    """Serve the connection whose file descriptor is the first argument."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    connection = Connection(int(sys.argv[1]))
-    threading.Thread(target=_end_with, args=[connection], daemon=True).start()
+    """Serve the process that started this one."""
+    connection = parent_connection()
+    threading.Thread(target=_exit_with_parent, args=[connection], daemon=True).start()
     try:
         serve(connection)
     except (EOFError, OSError):

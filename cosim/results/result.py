@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 
@@ -33,7 +33,9 @@ class Sink(Protocol):
 
 
 StepperName = Literal["c", "python"]
-"""Which loop turned the crank."""
+"""Which loop steps the components."""
+
+STEPPERS: tuple[StepperName, ...] = get_args(StepperName)
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,8 @@ class Result:
         Why it did not.
     warnings
         What the FMUs warned of.
-    loop
-        Which loop turned the crank.
+    stepper
+        Which loop stepped the components.
     missed_deadlines, worst_lateness
         Of a run in real time: how many steps were not finished when the next was due, and by how much at worst, in s.
     """
@@ -70,7 +72,7 @@ class Result:
     complete: bool = True
     error: Exception | None = None
     warnings: Sequence[str] = ()
-    loop: StepperName = "python"
+    stepper: StepperName = "python"
     missed_deadlines: int = 0
     worst_lateness: float = 0.0
 

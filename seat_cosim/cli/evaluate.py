@@ -185,7 +185,7 @@ def _change(system: System, choices: dict[str, Any]) -> None:
     system.parameters |= control(choices["switch"] == "on") if choices["switch"] else {}
     system.parameters |= parameter_sets(["passive"], system) if choices["switch"] == "passive" else {}
     system.parameters |= settings_of(choices["settings"])
-    system.check({})
+    system.check_parameters({})
 
 
 def _title(system: System, choices: dict[str, Any]) -> str:

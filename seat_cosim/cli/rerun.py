@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from cosim.engine.run_options import RunOptions
 from cosim.errors import RunError, SetupError, reading
 from cosim.manifest import Manifest, sha256
 from cosim.results.formats import Table, read
@@ -40,14 +41,16 @@ def rerun(manifest: Path, output: Path | None) -> None:
         result = run_to_folder(
             system,
             folder,
-            record=first.record,
-            record_every=first.record_every,
-            formats=first.formats,
-            progress=lambda time: report(f"{time:.1f} of {first.stop_time:g} s"),
+            RunOptions(
+                record=first.record,
+                record_every=first.record_every,
+                formats=first.formats,
+                progress=lambda time: report(f"{time:.1f} of {first.stop_time:g} s"),
+                keep=False,
+                isolate=first.isolate,
+                time_limit=first.time_limit,
+            ),
             command=command_line(),
-            keep=False,
-            isolate=first.isolate,
-            time_limit=first.time_limit,
         )
     again = Manifest.read(folder / MANIFEST)
     _tell_versions(first, again)

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from cosim.engine.run_options import RunOptions
 from cosim.fmi.description import Value
 from cosim.results.result import Result
 from cosim.run_folder import run_to_folder
@@ -84,12 +85,10 @@ def run(
         result = run_to_folder(
             system,
             folder,
-            stop_time=stop_time,
-            step_size=step_size,
-            parameters=parameters,
-            progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"),
+            RunOptions(
+                stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"), **how
+            ),
             command=command_line(),
-            **how,
         )
     conclude(result)
     _overview(system, result, folder, scenario)

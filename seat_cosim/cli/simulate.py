@@ -11,6 +11,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.engine.editing import edit, parse_source
+from cosim.engine.run_options import RunOptions
 from cosim.engine.step_order import delay
 from cosim.engine.structure import ALGORITHMS, Algorithm
 from cosim.errors import SetupError
@@ -96,10 +97,10 @@ def simulate(
         result = run_to_folder(
             system,
             folder,
-            record=record or None,
-            progress=lambda time: report(f"{time:.1f} of {system.stop_time:g} s"),
+            RunOptions(
+                record=record or None, progress=lambda time: report(f"{time:.1f} of {system.stop_time:g} s"), **how
+            ),
             command=command_line(),
-            **how,
         )
     conclude(result)
     _draw(system, result, folder / "overview.png", record)

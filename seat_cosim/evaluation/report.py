@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cosim.engine.run_options import RunOptions
 from cosim.errors import writing_to
 from cosim.manifest import Manifest, sha256
 from seat_cosim.evaluation.evaluation import COLUMNS, SEAT_LIMITS, SPREAD, Cell, Column, Evaluation, Protocol
@@ -85,9 +86,8 @@ def write(
         draw_heat_maps(figures, [heat_map(each, protocol) for each in evaluations])
         manifest = Manifest.of(
             about.system,
-            stop_time=protocol.settle + protocol.duration,
-            record=about.ports.signals,
-            command=command,
+            RunOptions(protocol.settle + protocol.duration, record=about.ports.signals),
+            command,
         )
         words = {
             "How it was made": _conditions(evaluations[0], protocol, manifest),

@@ -160,7 +160,7 @@ class EvaluatedSystem:
         if self.ports.travel is None:
             return None
         component, variable = VariableRef.parse(self.ports.travel)
-        given = self.system.check({})[component].get(variable, self.system.start(self.ports.travel))
+        given = self.system.check_parameters({})[component].get(variable, self.system.start(self.ports.travel))
         return float(given) or None
 
     def converted(self, name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from cosim.engine.run_options import RunOptions
 from cosim.fmi.description import Value
 from cosim.metrics import peak, rms
 from cosim.results.result import Result
@@ -92,9 +93,11 @@ def run(
             result = run_to_folder(
                 system,
                 folder / name,
-                stop_time=bump.stop_time,
-                parameters=parameters,
-                progress=lambda time, name=name: report(name, time / bump.stop_time),  # type: ignore[misc]
+                RunOptions(
+                    bump.stop_time,
+                    parameters=parameters,
+                    progress=lambda time, name=name: report(name, time / bump.stop_time),  # type: ignore[misc]
+                ),
                 command=command,
                 session=session,
             )

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from cosim import Manifest, Result, SetupError, System, run_to_folder
+from cosim.engine.run_options import RunOptions
 from cosim.manifest import sha256
 from cosim.results.formats import FORMATS
 from cosim.units import Linear
@@ -40,8 +41,8 @@ def swapped(native: Path) -> System:
 PARAMETERS = {"seat.driver_mass": "70", "controller.anti_windup": "true", "shaker.profile": 2}
 
 
-def run(system: System, folder: Path, **options: Any) -> Result:
-    return run_to_folder(system, folder, parameters=PARAMETERS, stop_time=0.1, **options)
+def run(system: System, folder: Path, command: Sequence[str] = (), **options: Any) -> Result:
+    return run_to_folder(system, folder, RunOptions(0.1, parameters=PARAMETERS, **options), command=command)
 
 
 def test_run_json_tells_what_ran_and_how_it_ended(swapped: System, tmp_path: Path):
@@ -79,7 +80,7 @@ def test_equal_runs_tell_the_same_bytes(swapped: System, tmp_path: Path):
 
 def test_a_manifest_reads_back_and_rebuilds_its_system(swapped: System, tmp_path: Path):
     swapped.component_steps["seat"] = 0.004
-    manifest = Manifest.of(swapped, stop_time=0.3, step_size=0.1, parameters=PARAMETERS, algorithm="jacobi")
+    manifest = Manifest.of(swapped, RunOptions(0.3, 0.1, PARAMETERS, algorithm="jacobi"))
     manifest.write(tmp_path)
     read = Manifest.read(tmp_path / "run.json")
     assert read == manifest
@@ -90,13 +91,13 @@ def test_a_manifest_reads_back_and_rebuilds_its_system(swapped: System, tmp_path
     assert again.order == swapped.order
     assert again.component_steps == {"seat": 0.004}
     assert again.algorithm == "jacobi"
-    assert again.check({}) == swapped.check(PARAMETERS)
+    assert again.check_parameters({}) == swapped.check_parameters(PARAMETERS)
     assert Manifest.of(again) == manifest
 
 
 def test_the_function_says_what_a_failed_run_left(fmus: Path, tmp_path: Path):
     result = run_to_folder(
-        seat_suspension(fmus), tmp_path, stop_time=0.1, parameters={"controller.driver_mass_min": 90.0}
+        seat_suspension(fmus), tmp_path, RunOptions(0.1, parameters={"controller.driver_mass_min": 90.0})
     )
     assert f"(no rows of 0.1 s in {tmp_path}/result.partial.csv)" in str(result.error)
     manifest = Manifest.read(tmp_path / "run.json")
@@ -117,7 +118,7 @@ def test_a_session_runs_to_many_folders(swapped: System, tmp_path: Path):
     with swapped.open() as session:
         for mass in (60.0, 70.0):
             run_to_folder(
-                swapped, tmp_path / f"{mass}", stop_time=0.1, parameters={"seat.driver_mass": mass}, session=session
+                swapped, tmp_path / f"{mass}", RunOptions(0.1, parameters={"seat.driver_mass": mass}), session=session
             )
     manifests = [Manifest.read(tmp_path / name / "run.json") for name in ("60.0", "70.0")]
     assert [m.parameters["seat.driver_mass"] for m in manifests] == [60.0, 70.0]
@@ -290,9 +291,10 @@ def test_fmus_inside_a_system_file_are_told_and_run_again(swapped: System, shell
 def test_a_process_that_is_killed_leaves_its_rows_and_can_be_run_again(shell: Shell, native: Path, tmp_path: Path):
     folder, stop_time = tmp_path / "killed", 400.0
     script = (
-        "from pathlib import Path; from cosim.run_folder import run_to_folder; from seat_cosim.scenarios import *\n"
+        "from pathlib import Path\nfrom cosim.engine.run_options import RunOptions\n"
+        "from cosim.run_folder import run_to_folder\nfrom seat_cosim.scenarios import *\n"
         f"system = seat_suspension(Path({str(native / 'fmi2')!r}))\n"
-        f"run_to_folder(system, Path('killed'), stop_time={stop_time}, real_time=True, keep=False)"
+        f"run_to_folder(system, Path('killed'), RunOptions({stop_time}, real_time=True, keep=False))"
     )
     process = subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path)
     partial = folder / "result.partial.csv"

@@ -21,7 +21,7 @@ from lxml import etree
 
 from cosim import RunError, System
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import extract, instantiate
+from cosim.fmi.versions import instantiate
 from fmus.component import Component
 from fmus.export import native_fmu as native_build
 from fmus.export.fmu_file import BuildError
@@ -298,13 +298,13 @@ def test_contradicting_parameters_fail_on_leaving_the_initialisation(native: Pat
 @pytest.mark.parametrize("flavour", NATIVE)
 def test_a_tuned_mass_takes_effect_at_the_next_sample(native: Path, flavour: str, tmp_path: Path):
     model = ModelDescription.read(native / flavour / "SeatController.fmu")
-    extract(model, tmp_path)
+    model.extract(tmp_path)
     forces = []
     for tuned_before in (True, False):
         instance = instantiate("it", model, tmp_path)
         try:
-            instance.start(1.0, {"driver_mass": 75.0} if tuned_before else {})
-            instance.finish_initialisation()
+            instance.enter_initialization(1.0, {"driver_mass": 75.0} if tuned_before else {})
+            instance.exit_initialization()
             instance._set({"driver_mass": 75.0, "suspension_deflection": 0.01, "seat_acceleration": 0.5})
             instance.step(0.0, H)
             get = instance.fmu.getReal if flavour == "fmi2" else instance.fmu.getFloat64
@@ -312,7 +312,7 @@ def test_a_tuned_mass_takes_effect_at_the_next_sample(native: Path, flavour: str
             with pytest.raises(FMICallException):
                 instance._set({"observer_gamma": -1e-6})
             assert (
-                "observer_gamma: a fixed parameter may not be set while stepping" in instance.messages.entries[-1].text
+                "observer_gamma: a fixed parameter may not be set while stepping" in instance.messages.messages[-1].text
             )
         finally:
             instance.free()

@@ -16,7 +16,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance, extract, instantiate
+from cosim.fmi.instance import Instance
+from cosim.fmi.versions import instantiate
 from seat_cosim.components import COMPONENTS, EXPERIMENT
 
 H = 0.002
@@ -50,14 +51,14 @@ class Host:
 
     @property
     def messages(self) -> list[str]:
-        return [entry.text for entry in self.instance.messages.entries]
+        return [message.text for message in self.instance.messages.messages]
 
 
 @contextmanager
 def hosted(path: Path, folder: Path) -> Iterator[Host]:
     model = ModelDescription.read(path)
     if not folder.exists():
-        extract(model, folder)
+        model.extract(folder)
     instance = instantiate("it", model, folder)
     try:
         yield Host(instance)

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance, extract, instantiate
+from cosim.fmi.instance import Instance
+from cosim.fmi.versions import instantiate
 
 
 class Driven:
@@ -22,8 +23,8 @@ class Driven:
     def begin(self, **parameters: float) -> None:
         """Start anew; an underscore that follows another is a point."""
         values = {name.replace("__", "."): value for name, value in parameters.items()}
-        self._instance.start(1000.0, values)
-        self._instance.finish_initialisation()
+        self._instance.enter_initialization(1000.0, values)
+        self._instance.exit_initialization()
 
     def end(self) -> None:
         self._instance.terminate()
@@ -54,14 +55,14 @@ class Driven:
 
     @property
     def said(self) -> str:
-        return self._instance.messages.entries[-1].text
+        return self._instance.messages.messages[-1].text
 
 
 @contextmanager
 def driven(fmu: Path, folder: Path) -> Iterator[Driven]:
     """Load an FMU, to be stepped by hand."""
     model = ModelDescription.read(fmu)
-    extract(model, folder)
+    model.extract(folder)
     instance = instantiate(fmu.stem, model, folder)
     try:
         yield Driven(instance)

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance, extract, instantiate
+from cosim.fmi.instance import Instance
+from cosim.fmi.versions import instantiate
 from seat_controller_fmu.parameters import SAMPLE_TIME
 
 STEP_SIZE = SAMPLE_TIME.value
@@ -81,7 +82,7 @@ class Rig:
         for name, fmu in (("seat", "SeatPlant"), ("controller", "SeatController")):
             folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
             model = ModelDescription.read(fmus / f"{fmu}.fmu")
-            extract(model, folder)
+            model.extract(folder)
             instance = instantiate(name, model, folder)
             self._stack.callback(instance.free)
             self._instances[name] = instance
@@ -107,8 +108,8 @@ class Rig:
         """
         for name, instance in self._instances.items():
             own = {key.partition(".")[2]: value for key, value in parameters.items() if key.startswith(f"{name}.")}
-            instance.start(len(floor.displacement) * STEP_SIZE, own)
-            instance.finish_initialisation()
+            instance.enter_initialization(len(floor.displacement) * STEP_SIZE, own)
+            instance.exit_initialization()
         seat, controller = self._instances["seat"].fmu, self._instances["controller"].fmu
         port = self._references
         inputs = [

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cosim.engine.run_options import RunOptions
 from cosim.results.result import COMPLETE, Result
 from cosim.run_folder import run_to_folder
 from seat_cosim.scenarios import seat_suspension
@@ -89,12 +90,7 @@ def soak(fmus: Path, stop_time: float, folder: Path, report: Callable[[str], Non
     result = run_to_folder(
         system,
         folder,
-        stop_time=stop_time,
-        step_size=STEP_SIZE,
-        record=list(WATCHED),
-        record_every=EVERY,
-        progress=look,
-        keep=False,
+        RunOptions(stop_time, STEP_SIZE, record=list(WATCHED), record_every=EVERY, progress=look, keep=False),
     )
     if result.error is not None:
         raise result.error

@@ -50,7 +50,7 @@ def test_the_ports_are_those_of_the_controller(name: str, baselines: Path, nativ
     assert {sink: feed.source for sink, feed in system.connections.items()} == {
         sink: feed.source for sink, feed in before.items()
     }
-    system.check({"controller.driver_mass": 80.0, "controller.force_limit": 100.0})
+    system.check_parameters({"controller.driver_mass": 80.0, "controller.force_limit": 100.0})
     force = system.models["controller"].variables["force"]
     assert force.variability == "discrete"
 

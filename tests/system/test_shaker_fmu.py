@@ -12,7 +12,8 @@ import pytest
 
 from cosim import System
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance, extract, instantiate
+from cosim.fmi.instance import Instance
+from cosim.fmi.versions import instantiate
 from seat_cosim.scenarios import SCENARIOS, seat_suspension
 from tests.helpers.paths import NATIVE
 
@@ -49,7 +50,7 @@ def test_flavours_agree_to_the_last_bit(fmus: Path, native: Path, profile: str, 
 @contextmanager
 def two_instances(path: Path, folder: Path) -> Iterator[list[Instance]]:
     model = ModelDescription.read(path)
-    extract(model, folder)
+    model.extract(folder)
     with ExitStack() as stack:
         instances = [instantiate(name, model, folder) for name in ("one", "other")]
         for instance in instances:
@@ -67,14 +68,14 @@ def test_states_continue_bit_identically(fmus: Path, native: Path, flavour: str,
         outputs = [v.valueReference for v in model.outputs]
 
         def step(instance: Instance, k: int) -> list[float]:
-            instance.advance(k * H, H)
+            instance.do_step(k * H, H)
             get = instance.fmu.getFloat64 if flavour == "fmi3" else instance.fmu.getReal
             return list(get(outputs))
 
         fmi3 = flavour == "fmi3"
         for instance, given in ((one, values), (other, {"profile": 2.0, "sine.frequency": 7.0})):
-            instance.start(10.0, given)
-            instance.finish_initialisation()
+            instance.enter_initialization(10.0, given)
+            instance.exit_initialization()
         for k in range(300):
             step(one, k)
         state = one.fmu.getFMUState() if fmi3 else one.fmu.getFMUstate()

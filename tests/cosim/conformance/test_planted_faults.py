@@ -363,8 +363,8 @@ BEHAVIOUR = [
     ("binary.version", "dahlquist", 2, "version", "fmi2GetVersion: expected 2.0, got 1.0"),
     ("binary.version", "dahlquist", 3, "version", "fmi3GetVersion: expected 3.0, got 2.0"),
     ("lifecycle.token", "dahlquist", 2, "token", "expected no instance with {dahlquist}0"),
-    ("lifecycle.sequence", "dahlquist", 2, "crash", "crashed with signal 6 (SIGABRT)"),
-    ("lifecycle.sequence", "dahlquist", 3, "exit", "ended the process with exit code 3"),
+    ("lifecycle.sequence", "dahlquist", 2, "crash", "ended by signal 6 (SIGABRT)"),
+    ("lifecycle.sequence", "dahlquist", 3, "exit", "ended with exit code 3"),
     (
         "lifecycle.sequence",
         "dahlquist",
@@ -372,13 +372,13 @@ BEHAVIOUR = [
         "error",
         "t = 1.3 s, step 0.1 s: expected ok, got error (it says: step: some",
     ),
-    ("lifecycle.free-null", "dahlquist", 2, "free_null", "crashed"),
+    ("lifecycle.free-null", "dahlquist", 2, "free_null", "ended by signal"),
     ("lifecycle.terminated", "dahlquist", 2, "terminated", "after Terminate: x: expected"),
     ("lifecycle.reset", "dahlquist", 3, "reset", "after Reset: at t = 0.1 s: x: expected"),
     ("lifecycle.instances", "dahlquist", 2, "shared", "beside another instance: at t = 0.1 s: x"),
     ("lifecycle.logging", "dahlquist", 3, "logging", "fmi3SetDebugLogging: expected ok, got error"),
     ("lifecycle.call-order", "dahlquist", 2, "order", "a step before the initialisation: expected an error, got ok"),
-    ("lifecycle.call-order", "dahlquist", 3, "order_crash", "crashed"),
+    ("lifecycle.call-order", "dahlquist", 3, "order_crash", "ended by signal"),
     ("lifecycle.fixed", "dahlquist", 2, "fixed", "it took k"),
     ("steps.inputs", "dahlquist", 2, "input", "u (line 16): expected to take"),
     ("steps.deterministic", "dahlquist", 3, "random", "in a second run: at t = 0.1 s: x"),
@@ -426,7 +426,7 @@ def test_the_end_of_the_process_that_runs_fmus_is_told(workshop: Workshop):
     path = workshop.make()
     with Processes() as own:
         validate(path, processes=own, only=["binary.loads"])
-        own._process.kill()
+        own._process.end(grace=0.0)
         with pytest.raises(
             RunError, match="binary.loads: expected an answer, but the process that runs FMUs has ended"
         ):

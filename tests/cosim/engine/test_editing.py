@@ -48,13 +48,13 @@ def test_a_floor_in_another_unit_and_of_another_name(system: System, foreign: Pa
     assert (str(feed.source), feed.transformation) == ("shaker.z", Linear(0.001))
     assert VariableRef("seat", "floor_velocity") not in system.connections
     assert [note for note in system.notes() if note.startswith("seat.floor_signals: set to displacement")]
-    assert system.check({})["seat"]["floor_signals"] == 2.0
+    assert system.check_parameters({})["seat"]["floor_signals"] == 2.0
 
 
 def test_a_declared_unit_is_converted(system: System, foreign: Path):
     system.replace("shaker", foreign / "Truck.fmu", {"seat.floor_acceleration": "acc"})
     assert system.connections[VariableRef("seat", "floor_acceleration")].transformation == Linear(9.80665)
-    assert system.check({})["seat"]["floor_signals"] == 4.0
+    assert system.check_parameters({})["seat"]["floor_signals"] == 4.0
 
 
 def test_a_seat_of_other_names_is_wired_both_ways(system: System, foreign: Path):
@@ -131,4 +131,4 @@ def test_parameters_without_variability_are_mended(foreign: Path, system: System
         "controller", foreign / "Skyhook.fmu", {"controller.acc": "seat.seat_acceleration_measured", "seat.force": "F"}
     )
     assert system.models["controller"].variables["damping"].variability == "fixed"
-    assert system.check({"controller.damping": 500.0})["controller"] == {"damping": 500.0}
+    assert system.check_parameters({"controller.damping": 500.0})["controller"] == {"damping": 500.0}

@@ -114,7 +114,7 @@ def test_csv_reads_back_to_the_same_bits(system: System, tmp_path: Path):
     assert all(np.array_equal(column, result[name]) for column, name in zip(read[1:], names[1:], strict=True))
 
 
-@pytest.mark.parametrize("loop", LOOPS)
+@pytest.mark.parametrize("stepper", LOOPS)
 @pytest.mark.parametrize(
     ("name", "said", "rows"),
     [
@@ -124,12 +124,12 @@ def test_csv_reads_back_to_the_same_bits(system: System, tmp_path: Path):
     ],
 )
 def test_a_failing_fmu_loses_nothing(
-    system: System, faulty: dict[str, Path], tmp_path: Path, name: str, said: str, rows: int, loop: StepperName
+    system: System, faulty: dict[str, Path], tmp_path: Path, name: str, said: str, rows: int, stepper: StepperName
 ):
     good = system.simulate(0.2, H)
     system.add("bad", faulty[name])
     before = left_behind()
-    result = system.simulate(1.0, H, loop=loop)
+    result = system.simulate(1.0, H, stepper=stepper)
     assert not result.complete
     assert isinstance(result.error, RunError)
     assert re.search(said, str(result.error)), result.error
@@ -141,8 +141,8 @@ def test_a_failing_fmu_loses_nothing(
     assert left_behind() == before
 
 
-@pytest.mark.parametrize("loop", LOOPS)
-def test_an_interrupted_run_keeps_its_rows(system: System, loop: StepperName):
+@pytest.mark.parametrize("stepper", LOOPS)
+def test_an_interrupted_run_keeps_its_rows(system: System, stepper: StepperName):
     reached: list[float] = []
 
     def interrupt(time: float) -> None:
@@ -150,7 +150,7 @@ def test_an_interrupted_run_keeps_its_rows(system: System, loop: StepperName):
         if time > 0.1:
             raise KeyboardInterrupt
 
-    result = system.simulate(30.0, H, progress=interrupt, loop=loop)
+    result = system.simulate(30.0, H, progress=interrupt, stepper=stepper)
     assert not result.complete
     assert str(result.error) == f"interrupted at t = {reached[-1]:g} s"
     assert len(result.time) * H == reached[-1] < 30.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import re
 import signal
@@ -11,14 +12,16 @@ import tracemalloc
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import cffi
 import numpy as np
 import pytest
 
 from cosim import Result, SetupError, System
-from cosim.engine import native_stepper as stepper
+from cosim.engine import native_stepper
 from cosim.engine.recorder import BLOCK
 from cosim.engine.structure import ALGORITHMS, Algorithm
 from cosim.fmi.instance import Instance
+from cosim.results.result import StepperName
 from cosim.units import Linear
 from seat_cosim.scenarios import OVERVIEW, SCENARIOS, seat_suspension
 from tests.cosim.engine.test_structure import edited
@@ -48,8 +51,8 @@ def pair(echo: dict[int, Path], versions: Sequence[int] = (3, 3)) -> System:
 
 def both(system: System, *arguments, **options) -> Result:
     """Run in both loops, compare, and return what came out."""
-    in_c, in_python = (system.simulate(*arguments, **options, loop=loop) for loop in ("c", "python"))
-    assert (in_c.loop, in_python.loop) == ("c", "python")
+    in_c, in_python = (system.simulate(*arguments, **options, stepper=stepper) for stepper in ("c", "python"))
+    assert (in_c.stepper, in_python.stepper) == ("c", "python")
     assert in_c.complete == in_python.complete
     assert str(in_c.error) == str(in_python.error)
     assert in_c.time.tobytes() == in_python.time.tobytes()
@@ -181,7 +184,7 @@ def test_steps_that_do_not_fit_are_refused(system: System, steps: dict[str, floa
     [
         ({"algorithm": "newton"}, "algorithm: expected gauss-seidel or jacobi, got newton"),
         ({"record_every": 0}, "record every: expected a whole number of steps above 0, got 0"),
-        ({"loop": "rust"}, "loop: expected c or python, got rust"),
+        ({"stepper": "rust"}, "stepper: expected c or python, got rust"),
     ],
 )
 def test_choices_there_are_not_are_refused(system: System, choice: dict[str, object], said: str):
@@ -233,14 +236,14 @@ def test_rows_every_few_steps_are_those_of_all_steps(native: Path, every: int):
     assert all(np.array_equal(thin[name], full[name][ticks]) for name in full.values)
 
 
-@pytest.mark.parametrize("loop", ["c", "python"])
+@pytest.mark.parametrize("stepper", ["c", "python"])
 @pytest.mark.parametrize("every", [1, 3])
-def test_sinks_get_every_row_once_whether_rows_are_kept_or_not(echo: dict[int, Path], every: int, loop):
+def test_sinks_get_every_row_once_whether_rows_are_kept_or_not(echo: dict[int, Path], every: int, stepper: StepperName):
     system, names = pair(echo), ["b.reached", "a.out.Int8", "a.count"]
     stop = (2 * BLOCK * every + 10) * H
     kept, streamed = Collector(), Collector()
-    result = system.simulate(stop, H, record=names, record_every=every, sinks=[kept], loop=loop)
-    empty = system.simulate(stop, H, record=names, record_every=every, sinks=[streamed], keep=False, loop=loop)
+    result = system.simulate(stop, H, record=names, record_every=every, sinks=[kept], stepper=stepper)
+    empty = system.simulate(stop, H, record=names, record_every=every, sinks=[streamed], keep=False, stepper=stepper)
     assert streamed.begun == (names, [None] * 3)
     assert kept.complete is streamed.complete is True
     expected = np.column_stack([result.time, *result.values.values()])
@@ -315,7 +318,7 @@ def test_ctrl_c_ends_a_run_between_two_steps(echo: dict[int, Path]):
     system.add("a", echo[3])
     timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
     timer.start()
-    result = system.simulate(1000 * H, H, {"a.fault": FAULTS.index("slow")}, loop="c")
+    result = system.simulate(1000 * H, H, {"a.fault": FAULTS.index("slow")}, stepper="c")
     timer.join()
     assert not result.complete
     assert str(result.error) == f"interrupted at t = {len(result.time) * H:g} s"
@@ -327,12 +330,12 @@ def test_ctrl_c_ends_a_run_between_two_steps(echo: dict[int, Path]):
 
 def of_another_source(patch: pytest.MonkeyPatch, folder: Path) -> None:
     changed = folder / "native_stepper.c"
-    changed.write_bytes(stepper.sources()["native_stepper.c"] + b"\n")
-    patch.setattr(stepper, "_SOURCE", changed)
+    changed.write_bytes(native_stepper.sources()["native_stepper.c"] + b"\n")
+    patch.setattr(native_stepper, "_SOURCES", [changed])
 
 
 def not_built(patch: pytest.MonkeyPatch, folder: Path) -> None:
-    patch.setattr(stepper, "BUILT", folder)
+    patch.setattr(native_stepper, "BUILT", folder)
 
 
 @pytest.mark.parametrize("missing", [of_another_source, not_built])
@@ -342,17 +345,46 @@ def test_without_a_core_of_this_source_the_loop_is_in_python(
     system = seat_suspension(native / "fmi2")
     expected = system.simulate(0.02, H)
     missing(monkeypatch, tmp_path)
-    monkeypatch.setattr(stepper, "load", stepper.load.__wrapped__)
+    monkeypatch.setattr(native_stepper, "load", native_stepper.load.__wrapped__)
     result = system.simulate(0.02, H)
-    assert (expected.loop, result.loop) == ("c", "python")
+    assert (expected.stepper, result.stepper) == ("c", "python")
     assert all(np.array_equal(expected[name], result[name]) for name in expected.values)
-    with pytest.raises(SetupError, match="loop: expected the one in C to be built, got none of this version"):
-        system.simulate(0.02, H, loop="c")
+    with pytest.raises(SetupError, match="stepper: expected the one in C to be built, got none of this version"):
+        system.simulate(0.02, H, stepper="c")
 
 
 def test_an_fmu_that_cannot_be_called_from_c_is_stepped_in_python(native: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(Instance, "calls", lambda self: None)
+    monkeypatch.setattr(Instance, "native_calls", lambda self: None)
     system = seat_suspension(native / "fmi2")
-    assert system.simulate(0.02, H).loop == "python"
-    with pytest.raises(SetupError, match="loop: expected FMUs that can be called from C"):
-        system.simulate(0.02, H, loop="c")
+    assert system.simulate(0.02, H).stepper == "python"
+    with pytest.raises(SetupError, match="stepper: expected FMUs that can be called from C"):
+        system.simulate(0.02, H, stepper="c")
+
+
+# ---- the structures in C and in Python -------------------------------------------------------------------------------
+
+
+def declared() -> cffi.FFI:
+    """Read the header by a parser of C."""
+    ffi = cffi.FFI()
+    text = Path(native_stepper.__file__).with_suffix(".h").read_text(encoding="utf-8")
+    ffi.cdef(text)
+    return ffi
+
+
+@pytest.mark.parametrize("mirror", native_stepper.STRUCTURES, ids=lambda mirror: mirror.__name__)
+def test_structures_are_laid_out_as_the_header_declares_them(mirror: type[ctypes.Structure]):
+    ffi = declared()
+    expected = ffi.typeof(mirror.__name__)
+    assert [name for name, _ in mirror._fields_] == [name for name, _ in expected.fields]
+    for name, field in expected.fields:
+        assert getattr(mirror, name).offset == field.offset, name
+        assert getattr(mirror, name).size == ffi.sizeof(field.type), name
+    assert ctypes.sizeof(mirror) == ffi.sizeof(expected)
+
+
+def test_enumerations_are_those_of_the_header():
+    ffi = declared()
+    assert {cause.name: cause.value for cause in native_stepper.Cause} == ffi.typeof("Cause").relements
+    types = dict(sorted(ffi.typeof("ValueType").elements.items()))
+    assert [name.replace("bool8", "bool") for name in types.values()] == list(native_stepper.TYPES)

@@ -166,7 +166,7 @@ def test_an_fmu_without_a_binary_for_this_platform_is_refused(fmus: Path, tmp_pa
 
 def test_parameters_are_checked_together(pair: System):
     with pytest.raises(SetupError) as error:
-        pair.check(
+        pair.check_parameters(
             {
                 "seat.floor_signals": "all",
                 "seat.driver_mass": "heavy",
@@ -190,7 +190,7 @@ def test_parameters_are_checked_together(pair: System):
 
 def test_parameters_are_converted(fmus: Path, pair: System):
     pair.add("controller", fmus / "SeatController.fmu")
-    values = pair.check(
+    values = pair.check_parameters(
         {
             "shaker.profile": "sine",
             "controller.enabled": "False",
@@ -209,7 +209,7 @@ def test_parameters_are_converted(fmus: Path, pair: System):
 def test_a_connected_input_is_not_a_parameter(pair: System):
     pair.connect("shaker.floor_displacement", "seat.floor_displacement")
     with pytest.raises(SetupError, match=r"seat.floor_displacement: expected a free input, got one that"):
-        pair.check({"seat.floor_displacement": 1.0})
+        pair.check_parameters({"seat.floor_displacement": 1.0})
 
 
 def test_the_order_names_each_component_once(pair: System):

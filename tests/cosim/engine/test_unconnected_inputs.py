@@ -26,14 +26,14 @@ def connect(system: System, *signals: str) -> None:
 
 def test_a_floor_with_all_signals_needs_no_choice(pair: System):
     connect(pair, *FLOOR)
-    assert pair.check({})["seat"] == {}
+    assert pair.check_parameters({})["seat"] == {}
     assert pair.notes() == ["seat.force: not connected and not set, keeps its start value 0.0 N"]
 
 
 @pytest.mark.parametrize(("number", "signal"), list(enumerate(FLOOR, start=2)))
 def test_one_signal_is_chosen_and_told(pair: System, number: int, signal: str):
     connect(pair, signal)
-    assert pair.check({})["seat"] == {"floor_signals": float(number)}
+    assert pair.check_parameters({})["seat"] == {"floor_signals": float(number)}
     assert pair.notes()[0].startswith(f"seat.floor_signals: set to {signal}, as not all of its inputs are connected")
     result = pair.simulate(0.2)
     assert result.complete
@@ -43,7 +43,7 @@ def test_one_signal_is_chosen_and_told(pair: System, number: int, signal: str):
 
 def test_of_two_signals_the_preferred_one_is_taken(pair: System):
     connect(pair, "acceleration", "velocity")
-    assert pair.check({})["seat"] == {"floor_signals": 3.0}
+    assert pair.check_parameters({})["seat"] == {"floor_signals": 3.0}
     assert pair.notes()[0].endswith("derived from seat.floor_velocity; seat.floor_acceleration is ignored")
 
 
@@ -57,12 +57,15 @@ def test_no_floor_at_all_is_an_error(pair: System):
 
 
 def test_a_floor_that_is_set_is_no_silent_zero(pair: System):
-    assert pair.check({"seat.floor_displacement": 0.0})["seat"] == {"floor_displacement": 0.0, "floor_signals": 2.0}
+    assert pair.check_parameters({"seat.floor_displacement": 0.0})["seat"] == {
+        "floor_displacement": 0.0,
+        "floor_signals": 2.0,
+    }
 
 
 def test_the_users_choice_stays(pair: System):
     connect(pair, "displacement")
-    assert pair.check({"seat.floor_signals": "all"})["seat"] == {"floor_signals": 1.0}
+    assert pair.check_parameters({"seat.floor_signals": "all"})["seat"] == {"floor_signals": 1.0}
 
 
 def test_an_input_that_is_set_is_not_told(pair: System):

@@ -67,15 +67,15 @@ def build(faulty_folder: Path) -> Build:
     return make
 
 
-def run(system: System, *isolate: str, time_limit: float = 1.0, loop: StepperName | None = None) -> Result:
-    return system.simulate(0.3, H, isolate=isolate, time_limit=time_limit, loop=loop)
+def run(system: System, *isolate: str, time_limit: float = 1.0, stepper: StepperName | None = None) -> Result:
+    return system.simulate(0.3, H, isolate=isolate, time_limit=time_limit, stepper=stepper)
 
 
 WAYS = {"c": ((), "c"), "python": ((), "python"), "isolated": (("cab",), "python")}
 """What to isolate, and which loop steps."""
 
-each_way = pytest.mark.parametrize(("isolate", "loop"), WAYS.values(), ids=WAYS)
-each_loop = pytest.mark.parametrize("loop", ["c", "python"])
+each_way = pytest.mark.parametrize(("isolate", "stepper"), WAYS.values(), ids=WAYS)
+each_loop = pytest.mark.parametrize("stepper", ["c", "python"])
 
 
 def children() -> list[int]:
@@ -136,7 +136,7 @@ def test_a_failing_fmu_ends_the_run_and_loses_nothing(
     build: Build,
     trace: Path,
     isolate: tuple[str, ...],
-    loop: StepperName,
+    stepper: StepperName,
     what: str,
     where: str,
     fmi: int,
@@ -146,9 +146,9 @@ def test_a_failing_fmu_ends_the_run_and_loses_nothing(
 ):
     sound = run(build(fmi=fmi))
     trace.write_text("")
-    result = run(build(what, where, fmi), *isolate, loop=loop)
+    result = run(build(what, where, fmi), *isolate, stepper=stepper)
     assert not result.complete
-    assert result.loop == loop
+    assert result.stepper == stepper
     assert isinstance(result.error, RunError)
     assert re.fullmatch(said + ".*", str(result.error)), result.error
     assert len(result.time) == rows
@@ -173,7 +173,7 @@ def test_a_warning_is_reported_once_a_run_and_the_run_goes_on(build: Build, wher
     for what, said in {"warning": "out of order", "silent_warning": f"{function} returned a warning"}.items():
         expected = [f"cab: {said} ({function}, t = {when:g} s)"]
         with build(what, where, int(function[3])).open() as session:
-            runs = [session.run(0.3, H, loop=loop) for loop in ("c", "python", "c")]
+            runs = [session.run(0.3, H, stepper=stepper) for stepper in ("c", "python", "c")]
         assert [(result.complete, result.warnings) for result in runs] == 3 * [(True, expected)]
 
 
@@ -352,10 +352,12 @@ def alive(pid: int) -> bool:
 @pytest.mark.parametrize(
     ("where", "rows"), [("step", STRIKE + 1), ("set", STRIKE + 1), ("get", STRIKE), ("terminate", 31)]
 )
-def test_ctrl_c_in_a_call_of_a_run_keeps_its_rows(build: Build, trace: Path, where: str, rows: int, loop: StepperName):
-    result = run(build("interrupts", where), loop=loop)
+def test_ctrl_c_in_a_call_of_a_run_keeps_its_rows(
+    build: Build, trace: Path, where: str, rows: int, stepper: StepperName
+):
+    result = run(build("interrupts", where), stepper=stepper)
     assert not result.complete
-    reached = rows if loop == "python" or rows == 31 else len(result.time)  # C looks after a chunk of steps
+    reached = rows if stepper == "python" or rows == 31 else len(result.time)  # C looks after a chunk of steps
     assert rows <= reached <= 31
     assert str(result.error) == f"interrupted at t = {min(reached, 30) * H:g} s"
     assert len(result.time) == reached
@@ -447,13 +449,13 @@ def test_what_is_printed_in_a_step_is_attributed_as_far_as_it_can_be(build: Buil
 @each_loop
 @pytest.mark.parametrize("where", STEPPING)
 def test_who_prints_in_every_step_is_found_out(
-    build: Build, capfd: pytest.CaptureFixture[str], where: str, loop: StepperName
+    build: Build, capfd: pytest.CaptureFixture[str], where: str, stepper: StepperName
 ):
     system = build("prints", where)
     sound = build().simulate(30.0, H)
     with system.open() as session:
         for _ in range(2):
-            result = session.run(30.0, H, loop=loop)
+            result = session.run(30.0, H, stepper=stepper)
             (warning,) = result.warnings
             assert re.fullmatch(r"cab: printed to stdout in doStep at t = \S+ s: hello from C", warning), warning
             assert all(np.array_equal(result[name], sound[name]) for name in sound.values)
@@ -470,7 +472,7 @@ def test_our_own_output_is_not_diverted(build: Build, capfd: pytest.CaptureFixtu
     first, *reached, last = capfd.readouterr().out.splitlines()
     assert (first, reached[-1], last) == ("between", "reached 0.3 s", "after")
     assert all(line.startswith("reached ") for line in reached)
-    with system.open(divert_stdout=False) as session:
+    with system.open(capture_stdout=False) as session:
         assert session.run(0.15, H).warnings == []
     assert capfd.readouterr().out == 5 * "hello from C\n"
 

@@ -151,14 +151,14 @@ def test_a_file_that_cannot_be_opened_is_a_failure_of_the_run(tmp_path: Path, na
     sink.end(False)
 
 
-@pytest.mark.parametrize("loop", ["c", "python"])
-def test_a_disk_that_fills_up_ends_the_run_and_loses_nothing(native: Path, tmp_path: Path, loop: str):
+@pytest.mark.parametrize("stepper", ["c", "python"])
+def test_a_disk_that_fills_up_ends_the_run_and_loses_nothing(native: Path, tmp_path: Path, stepper: str):
     room = 20_000
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     with seat_suspension(native / "fmi2").open() as session:
         resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
         try:
-            result = session.run(1.0, H, sinks=sinks(tmp_path), loop=loop)
+            result = session.run(1.0, H, sinks=sinks(tmp_path), stepper=stepper)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert not result.complete

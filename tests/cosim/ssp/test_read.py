@@ -146,7 +146,7 @@ def test_an_fmu_in_an_ssp_is_named_by_its_place(seat_ssp: Path):
     system = System.load(seat_ssp)
     assert system.models["seat"].where == seat_ssp / "resources/SeatPlant.fmu"
     with pytest.raises(SetupError, match=r"seat.mass: expected a variable of SeatPlant.fmu, got none"):
-        system.check({"seat.mass": 1.0})
+        system.check_parameters({"seat.mass": 1.0})
 
 
 def test_a_description_beside_its_resources_is_loaded(seat_ssp: Path, tmp_path: Path):
@@ -457,7 +457,7 @@ def test_a_parameter_file_is_read_for_a_run(seat_ssp: Path, tmp_path: Path):
     )
     found = read_parameters(path, system)
     assert found == {"shaker.bump.height": 0.05, "shaker.profile": "sine", "controller.anti_windup": True}
-    system.check(found)
+    system.check_parameters(found)
     path.write_bytes(
         write_document(
             values(

@@ -18,9 +18,9 @@ from typing import Any
 from hypothesis import strategies as st
 
 from cosim import System
+from cosim.engine.run_options import RunOptions
 from cosim.errors import SetupError, reading
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import extract
 from cosim.manifest import Manifest
 from cosim.results import formats
 from cosim.ssp import read_parameters
@@ -93,7 +93,7 @@ def read_and_use(path: Path) -> None:
         except SetupError:
             continue
     with tempfile.TemporaryDirectory() as folder:
-        extract(model, Path(folder, "extracted"))
+        model.extract(Path(folder, "extracted"))
         assert [*Path(folder).iterdir()] in ([], [Path(folder, "extracted")])
 
 
@@ -121,7 +121,7 @@ def readers(built: Path, folder: Path) -> dict[str, Reader]:
     older = built / "fmi2" / "SeatPlant.fmu"
     system = seat_suspension(built / "fmi2")
     manifest = folder / "run.json"
-    description = Manifest.of(system, stop_time=1.0, parameters={"seat.driver_mass": 70.0})
+    description = Manifest.of(system, RunOptions(1.0, parameters={"seat.driver_mass": 70.0}))
     description.write(folder)
     set_of_parameters = parameter_set("passive").read_bytes()
     rows = ["time,seat.driver_acceleration,controller.force", *(f"{0.002 * k},{0.1 * k},{-k}.5" for k in range(8))]

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from cosim.fmi.description import KINDS, ModelDescription
-from cosim.fmi.instance import extract
 from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME
 from fmus.export.native_fmu import STANDARDS, source_files
 from seat_cosim.components import COMPONENTS
@@ -105,7 +104,7 @@ def subject(fmu: Path, flavour: str, folder: Path) -> Subject:
     """Extract an FMU to a folder and describe it."""
     model = ModelDescription.read(fmu)
     place = folder / flavour / fmu.stem
-    extract(model, place)
+    model.extract(place)
     version = model.description.fmiMajorVersion
     (binary,) = [path for path in (place / "binaries").rglob(f"{fmu.stem}.so") if "64" in path.parent.name]
     outputs: dict[str, list[int]] = {}

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from cosim import SetupError, System
+from cosim.engine.run_options import RunOptions
 from cosim.fmi.archive import open_archive
 from cosim.fmi.description import ModelDescription
 from cosim.manifest import Manifest
@@ -339,7 +340,7 @@ def test_gains_come_from_a_file(name: str):
 
 
 def test_problems_of_a_run_name_its_manifest(native: Path, shell: Shell, tmp_path: Path):
-    manifest = Manifest.of(seat_suspension(native / "fmi2"), stop_time=1.0, parameters={"seat.driver_mass": 70.0})
+    manifest = Manifest.of(seat_suspension(native / "fmi2"), RunOptions(1.0, parameters={"seat.driver_mass": 70.0}))
     manifest.write(tmp_path)
     changes = {
         "shaker.floor_velocity": "floor_velocity",
