@@ -56,7 +56,7 @@ def validate_command(
       seat-cosim validate fmus/fmi3/SeatPlant.fmu
       seat-cosim validate --strict --json report.json *.fmu
       seat-cosim validate --rule lifecycle.reset --rule state.continues Foreign.fmu
-      seat-cosim validate --skip life --skip steps Foreign.fmu
+      seat-cosim validate --skip lifecycle --skip steps Foreign.fmu
       seat-cosim validate --list
     """
     from cosim.conformance import report
