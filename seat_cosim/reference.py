@@ -17,7 +17,15 @@ An error is one line on standard error: what, where, expected, got. The exit cod
 before an FMU is instantiated, and 1 for a later failure.
 """
 
+_WIDE = """---
+hide: [toc]
+---
+
+"""
+"""Head of a page of wide tables: the site shows no table of contents beside them."""
+
 _EXAMPLES = re.compile(r"^(Examples?:)$", re.MULTILINE)
+_ITEMS = re.compile(r"^(?=\w+: )", re.MULTILINE)
 
 
 def variables_page() -> str:
@@ -25,7 +33,7 @@ def variables_page() -> str:
     from fmus.export import variables_table
     from seat_cosim.components import COMPONENTS
 
-    return variables_table.page(COMPONENTS)
+    return _WIDE + variables_table.page(COMPONENTS)
 
 
 def rules_page() -> str:
@@ -59,10 +67,10 @@ def _command(command: click.Command, context: click.Context) -> Iterator[str]:
 
 
 def _verbatim(text: str) -> Iterator[str]:
-    """Write lines of help that stay as they are, examples as a block of their own."""
+    """Write lines of help that stay as they are: items of the form ``Name: text``, and a block of examples."""
     before, heading, examples = (*_EXAMPLES.split(text, maxsplit=1), "", "")[:3]
-    if before.strip():
-        yield f"```text\n{before.strip()}\n```\n"
+    for item in filter(str.strip, _ITEMS.split(before)):
+        yield f"{_escaped(' '.join(item.split()))}\n"
     if heading:
         yield f"{heading}\n\n```sh\n{inspect.cleandoc(examples)}\n```\n"
 
