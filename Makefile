@@ -1,13 +1,14 @@
 # make run        environment, install, build, the paper's bump test with table and figures
 # make test       the same set-up, then every test (10 minutes at most); make test-all adds the long ones
-# make fuzz       hostile input for MINUTES per target (1), see docs/hostile.md
+# make docs       the documentation site into site/, strictly: nothing is fetched, every link leads somewhere
+# make fuzz       hostile input for MINUTES per target (1), see docs/reference/hostile-input.md
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 
 MINUTES ?= 1
 
-.PHONY: run test test-all fuzz wheel clean
+.PHONY: run test test-all docs fuzz wheel clean
 
 run: $(VENV)/installed
 	$(BIN)/seat-cosim build
@@ -20,6 +21,10 @@ test: $(VENV)/installed-test
 test-all: $(VENV)/installed-test
 	$(BIN)/seat-cosim build
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
+
+docs: $(VENV)/installed-docs
+	$(BIN)/python -m seat_cosim.reference
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 
 fuzz: $(VENV)/installed-test
 	$(BIN)/seat-cosim build
@@ -42,5 +47,9 @@ $(VENV)/installed-test: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native,test]"
 	@touch $@
 
+$(VENV)/installed-docs: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native,docs]"
+	@touch $@
+
 clean:
-	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built fmus/*.ssp cosim/engine/built build dist *.egg-info
+	rm -rf $(VENV) results fmus/fmi2 fmus/fmi3 fmus/python fmus/built fmus/*.ssp cosim/engine/built build dist site *.egg-info

@@ -1,8 +1,8 @@
 """How the closed loop fares at other communication steps: ``python -m benchmarks.communication_steps [FMUS]``.
 
-Prints the table of docs/native.md: the paper's bump at 55 kg against a run at 0.1 ms. The controller samples every 2 ms
-whatever the step; at longer steps it meets stale measurements, several samples in a row, and its force reaches the seat
-late. FMUS is a folder of built FMUs, ``fmus/fmi2`` by default.
+Prints the table of docs/reference/accuracy-and-speed.md: the paper's bump at 55 kg against a run at 0.1 ms. The
+controller samples every 2 ms whatever the step; at longer steps it meets stale measurements, several samples in a row,
+and its force reaches the seat late. FMUS is a folder of built FMUs, ``fmus/fmi2`` by default.
 """
 
 from __future__ import annotations

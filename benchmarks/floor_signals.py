@@ -1,8 +1,8 @@
 """What a floor that gives one signal costs in accuracy: ``python -m benchmarks.floor_signals [FMUS]``.
 
-Prints the tables of docs/floor.md at 2 ms and 55 kg: first the paper's bump and a sine of 3 Hz against the implicit
-solution of tests/helpers/reference.py, then imperfect signals against the run with all three, perfect ones. FMUS is a
-folder of built FMUs, ``fmus/fmi2`` by default.
+Prints the tables of docs/explanation/floor.md at 2 ms and 55 kg: first the paper's bump and a sine of 3 Hz against the
+implicit solution of tests/helpers/reference.py, then imperfect signals against the run with all three, perfect ones.
+FMUS is a folder of built FMUs, ``fmus/fmi2`` by default.
 """
 
 from __future__ import annotations

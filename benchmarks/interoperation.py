@@ -1,7 +1,7 @@
 """One SSP file in several masters: ``python -m benchmarks.interoperation [FILE.ssp] [FIGURE.png]``.
 
-Prints the numbers of docs/interoperation.md and draws its figure: the paper's bump, this master in its sequential order
-against masters that exchange all values at once.
+Prints the numbers of docs/reference/interoperation.md and draws its figure: the paper's bump, this master in its
+sequential order against masters that exchange all values at once.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
     python -m benchmarks.soak [HOURS [FMUS [FIGURE]]]
 
-Prints the numbers of docs/reliability.md and draws its figure: whether memory stays flat, time exact, the cost of a
-step what it was, and the motion stationary.
+Prints the numbers of docs/reference/reliability.md and draws its figure: whether memory stays flat, time exact, the
+cost of a step what it was, and the motion stationary.
 """
 
 from __future__ import annotations

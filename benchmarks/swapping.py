@@ -1,4 +1,6 @@
-"""Swap shaker, seat and controller for FMUs that are not ours, and draw what comes out (docs/swapping.md).
+"""Swap shaker, seat and controller for FMUs of other tools, and draw the results.
+
+The figures are those of docs/how-to/replace-a-component.md.
 
 python -m benchmarks.swapping                   figures into docs/figures
 python -m benchmarks.swapping --output DIR

@@ -1,4 +1,6 @@
-"""Calibrate what the paper does not publish on its 55 kg column, and predict the rest (docs/calibration.md).
+"""Calibrate what the paper does not publish on its 55 kg column, and predict the rest.
+
+The results are those of docs/explanation/calibration.md.
 
 python -m studies.calibrate                   tables and figures, in some three minutes
 python -m studies.calibrate --write           and the parameter sets, into plant_models/parameter_sets

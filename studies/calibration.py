@@ -1,4 +1,4 @@
-"""What the paper does not publish, fitted on its 55 kg column through the FMUs (docs/calibration.md).
+"""What the paper does not publish, fitted on its 55 kg column through the FMUs (docs/explanation/calibration.md).
 
 Of ten unknowns three are fitted, each on one figure of the paper:
 
@@ -47,7 +47,7 @@ DELAY = 0.002
 SENSOR_BANDWIDTH = 50.0
 """Hz; an ADXL203 with the 0.1 uF at which its maker's table gives 50 Hz."""
 SINE_AMPLITUDE = 0.005
-"""m, of Fig. 10, the smaller one of the paper's friction test; with 10 mm see docs/calibration.md."""
+"""m, of Fig. 10, the smaller one of the paper's friction test; with 10 mm see docs/explanation/calibration.md."""
 RESONANCE, BAND = np.array([1.0, 1.2, 1.4, 1.6]), np.array([2.5, 3.0, 3.5, 4.0, 4.5])
 """Hz; where Fig. 10 has the passive seat above the uncontrolled one, and below it."""
 

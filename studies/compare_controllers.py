@@ -1,4 +1,4 @@
-"""Evaluate all controllers of this project side by side: tables and figure of docs/evaluation.md.
+"""Evaluate all controllers of this project side by side: tables and figure of docs/explanation/evaluation.md.
 
 python -m studies.compare_controllers                 some ten minutes on two cores; figure into docs/figures
 python -m studies.compare_controllers --output DIR

@@ -22,7 +22,8 @@ PRINTED_MASS_MAX = 120.0
 
 RECOMMENDED_OBSERVER = (-4000.0, -3500.0)
 """L_1 and L_2 in kg/s. The delay margin collapses where |L| exceeds about 4000 at light and 3600 at heavy drivers,
-whatever the state feedback: see docs/design.md. Hence nearly one value for all masses, instead of the 1/M of (23)."""
+whatever the state feedback: see docs/explanation/certificate.md. Hence nearly one value for all masses, instead of the
+1/M of (23)."""
 
 
 def _setting(mass_max: float) -> Setting:
@@ -44,7 +45,7 @@ def table1_printed(solver: str = "CLARABEL") -> Gains:
 
 
 def recommended(solver: str = "CLARABEL") -> Gains:
-    """Design the set to use for 45-120 kg, chosen by numbers: see docs/design.md."""
+    """Design the set to use for 45-120 kg, chosen by numbers: see docs/explanation/certificate.md."""
     L_1, L_2 = RECOMMENDED_OBSERVER
     setting = replace(_setting(PRINTED_MASS_MAX), L1=L_1, L2=L_2, observer_gamma=None)
     return design(setting, "trade-off", p.LAMBDA.value, solver=solver)

@@ -1,7 +1,8 @@
 """Parameter sets of the plant as SSP 1.0 files: what the paper does not publish, calibrated openly.
 
 Names in them are ``component.variable`` of the seat suspension; each parameter says where its value comes from.
-``python -m studies.calibrate --write`` makes them anew; ``docs/calibration.md`` tells how, and how sure they are.
+``python -m studies.calibrate --write`` makes them anew; ``docs/explanation/calibration.md`` tells how, and how sure
+they are.
 """
 
 from __future__ import annotations

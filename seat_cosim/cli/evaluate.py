@@ -40,7 +40,7 @@ _LIMITS = "The SEAT limits are those of ISO 7096 as recalled: check them in the 
 _MODEL = "Everything is computed by co-simulation; no person and no seat was measured."
 _PASSIVE = (
     "The passive seat is not the paper's, of which nothing is published: its damping is fitted on one of its numbers, "
-    "its friction is assumed; docs/calibration.md tells how."
+    "its friction is assumed; docs/explanation/calibration.md tells how."
 )
 _NAMED = {"gains": "gains", "Observer": "number", "control": "switch"}
 """What a system's title says of the choices: word to option."""

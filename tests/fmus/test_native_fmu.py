@@ -243,7 +243,7 @@ def prescribed_force(t: float) -> float:
 
 @pytest.mark.parametrize(("mass", "speed"), [(55.0, 1.0), (120.0, 1.5), (45.0, 1.5), (120.0, 0.5)])
 def test_the_seat_alone_is_accurate_at_any_communication_step(native: Path, mass: float, speed: float):
-    """Bound 1 %; README and docs/native.md state what is measured."""
+    """Bound 1 %; README and docs/reference/accuracy-and-speed.md state what is measured."""
     stop, finest = 1.6, 0.5e-3
     floor = bump(speed=speed)
     times = finest * np.arange(round(stop / finest) + 1)

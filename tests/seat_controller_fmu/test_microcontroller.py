@@ -39,7 +39,7 @@ int main(void)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_the_interrupt_of_the_page_gives_the_force_of_the_readme(real: str, tmp_path: Path):
-    page = (ROOT / "docs" / "microcontroller.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "how-to" / "microcontroller.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```c\n(.*?)```", page, re.DOTALL)
     (tmp_path / "main.c").write_text(code + MAIN, encoding="utf-8")
     (tmp_path / "defaults.h").write_text(defaults_header(COMPONENTS[0]), encoding="utf-8")

@@ -69,7 +69,7 @@ def test_the_ideal_simulation_reduces_at_least_as_much_as_the_paper(
     heavy = compare(rides, sets, 70.0, FEW_SEEDS)
     for mass, comparison in ((55.0, light), (70.0, heavy)):
         assert comparison.reduction("ideal") >= REDUCTIONS[mass]
-    # the prediction as docs/calibration.md has it, on fewer seeds: 1 % of either RMS
+    # the prediction as docs/explanation/calibration.md has it, on fewer seeds: 1 % of either RMS
     assert heavy.reduction("prototype") == pytest.approx(44.4, abs=1.0)
 
 
@@ -159,7 +159,7 @@ def test_an_unknown_set_is_told():
 
 
 def test_the_document_shows_what_is_committed(sets: dict[str, Parameters]):
-    text = (ROOT / "docs" / "calibration.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "explanation" / "calibration.md").read_text(encoding="utf-8")
     for found in sets.values():
         for name, value in found.items():
             shown = value if isinstance(value, str) else f"{value:g}"

@@ -1,4 +1,4 @@
-"""FMUs of other makers run in the places of ours, each in a process of its own (docs/swapping.md)."""
+"""FMUs of other makers run in the places of ours, each in a process of its own (docs/how-to/replace-a-component.md)."""
 
 from __future__ import annotations
 

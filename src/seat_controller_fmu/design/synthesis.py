@@ -37,7 +37,8 @@ DEFLECTION_BOUND = 36.0
 """Bound on Q_11 of the objective ``margin``, calibrated: at lambda = 1.2 it gives the published stiffness gains."""
 
 FOLLOW = 0.14
-"""Default of f_x in Hz: below, the seat follows the cabin. Chosen with the recommended gains, see docs/design.md."""
+"""Default of f_x in Hz: below, the seat follows the cabin. Chosen with the recommended gains, see
+docs/explanation/certificate.md."""
 
 _STRICT = 1e-4  # of the scaled blocks: a solver knows no strict inequalities, and a certificate wants some room
 

@@ -544,7 +544,7 @@ PER_RUN = 0.5
 """kB that a run may cost for good; measured: 0.00 to 0.05, an instance that is not freed costs more than that alone."""
 
 PER_LOAD = 5.0
-"""kB that loading and freeing may cost; measured: see docs/faults.md."""
+"""kB that loading and freeing may cost; measured: see docs/reference/faults.md."""
 
 
 def test_a_thousand_runs_of_a_session_cost_no_memory(build: Build):

@@ -174,8 +174,8 @@ def test_energy_scales_and_powers_keep_their_order(seed: int, factor: float):
 
 
 def test_the_script_of_the_page_runs(native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    page = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
-    (script,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    page = (ROOT / "docs" / "how-to" / "compute-metrics.md").read_text(encoding="utf-8")
+    script, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     (tmp_path / "fmus").symlink_to(native)
     monkeypatch.chdir(tmp_path)
     names: dict = {}

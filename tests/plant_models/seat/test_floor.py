@@ -152,7 +152,8 @@ BOUNDS = {
     ("sine", FloorSignals.velocity): (0.0003, 0.0004),
     ("sine", FloorSignals.acceleration): (0.0003, 0.0017),
 }
-"""Relative RMS errors of driver's acceleration and deflection: the worse case of docs/floor.md and 30 % of it."""
+"""Relative RMS errors of driver's acceleration and deflection: the worse case of docs/explanation/floor.md, and 30 %
+of it."""
 
 
 @pytest.fixture(scope="module")

@@ -36,7 +36,7 @@ def test_published_gains_pass_at_the_papers_lambda(certificate: module.Certifica
 
 
 def test_published_gains_are_certified_close_to_their_true_gain(certificate: module.Certificate):
-    """0.0231; solvers that meet the inequalities unscaled stop at 0.0294 (see docs/design.md)."""
+    """0.0231; solvers that meet the inequalities unscaled stop at 0.0294 (see docs/explanation/certificate.md)."""
     assert certificate.certified_lambda == pytest.approx(0.023126, rel=1e-3)
     assert 0.02 < certificate.worst_case_lambda < certificate.certified_lambda < 0.0295
 

@@ -179,7 +179,7 @@ def proven(mass: float, limit: float) -> tuple[float, float]:
 
 
 def test_the_proven_bounds_of_deflection_and_acceleration():
-    """In m and m/s2, as docs/reliability.md has them."""
+    """In m and m/s2, as docs/reference/reliability.md has them."""
     assert proven(45.0, 250.0) == pytest.approx((52.6, 3361.0), rel=1e-3)
     assert proven(120.0, 250.0) == pytest.approx((42.95, 1348.5), rel=1e-3)
 
@@ -274,7 +274,7 @@ def test_the_floor_that_searches_for_the_worst_finds_nothing_worse(session: Sess
 def test_delays_far_beyond_the_certified_ones_keep_the_loop_from_coming_to_rest(
     session: Session, design: Design, delay: float
 ):
-    """The limit cycles of docs/reliability.md: the check above would notice."""
+    """The limit cycles of docs/reference/reliability.md: the check above would notice."""
     assert delay > certified_delay(design, 80.0)
     result = ride(session, 80.0, delay, {"profile": "bump"}, design.parameters())
     assert largest(result, "driver_acceleration", since=STOP - 2.0) > LEFT
