@@ -27,8 +27,8 @@ from rich.console import Console
 from rich.table import Table
 
 from cosim import Result
+from cosim.engine.network import VariableRef
 from cosim.engine.session import Session
-from cosim.engine.structure import VariableRef
 from cosim.fmi.description import ModelDescription
 from fmus.export.native_fmu import OPTIONS
 from seat_cosim.scenarios import OVERVIEW, seat_suspension

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from cosim import Result, System
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from seat_cosim.plotting import Curve, Panel, draw
 from seat_cosim.scenarios import SCENARIOS, control, seat_suspension
 

@@ -14,8 +14,9 @@ from cosim.engine.run_options import CheckedRun, RunOptions
 from cosim.engine.structure import Algorithm, Structure
 from cosim.errors import SetupError
 from cosim.fmi.archive import is_file
-from cosim.fmi.description import KINDS, ModelDescription
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.isolated import TIME_LIMIT
+from cosim.fmi.values import KINDS, Checked
 from cosim.json_data import dump, load
 from cosim.results.file_sink import FileSink
 from cosim.results.formats import FORMATS
@@ -110,6 +111,10 @@ class Manifest:
         Whether it was paced; a run again is not, the values are the same.
     isolate, time_limit
         Components that ran in processes of their own, and how long a call of them could take, in s.
+    start_time
+        In s.
+    tolerance
+        For all FMUs; None where each had that of its default experiment.
     """
 
     format: Literal[1]
@@ -135,6 +140,8 @@ class Manifest:
     real_time: bool = False
     isolate: list[str] = field(default_factory=list)
     time_limit: float = TIME_LIMIT
+    start_time: float = 0.0
+    tolerance: float | None = None
 
     @classmethod
     def of(
@@ -183,7 +190,8 @@ class Manifest:
             ],
             order=list(system.order),
             algorithm=options.algorithm or system.algorithm,
-            parameters=_parameters(system, checked.values),
+            parameters=_parameters(system, checked.values, checked.sizes),
+            start_time=checked.clock.start_time,
             stop_time=checked.clock.stop_time,
             step_size=checked.clock.step_size,
             record=checked.record,
@@ -192,6 +200,7 @@ class Manifest:
             real_time=options.real_time,
             isolate=[name for name in system.models if name in set(options.isolate)],
             time_limit=options.time_limit,
+            tolerance=options.tolerance,
         )
 
     def ended(
@@ -248,7 +257,7 @@ class Manifest:
         system.order = self.order
         system.algorithm = self.algorithm
         system.parameters.update(self.parameters)
-        system.stop_time, system.step_size = self.stop_time, self.step_size
+        system.start_time, system.stop_time, system.step_size = self.start_time, self.stop_time, self.step_size
         return system
 
     def _models(self) -> dict[str, ModelDescription]:
@@ -296,14 +305,16 @@ def _component(system: Structure, name: str) -> ComponentRecord:
 
 
 def _parameters(
-    system: Structure, values: Mapping[str, Mapping[str, float | str]]
+    system: Structure, values: Mapping[str, Mapping[str, Checked]], sizes: Mapping[str, Mapping[int, int]]
 ) -> dict[str, bool | int | float | str]:
-    """List all parameters given by the system or the run, by name, in the form of their types."""
-    found = {
-        f"{component}.{variable}": _shown(system.models[component], variable, value)
-        for component, given in values.items()
-        for variable, value in given.items()
-    }
+    """List all parameters given by the system or the run, arrays by element, in the form of their types."""
+    found = {}
+    for component, given in values.items():
+        model = system.models[component]
+        for variable, value in given.items():
+            names = model.elements(component, variable, sizes[component]).names
+            for name, element in zip(names, value if isinstance(value, tuple) else [value], strict=True):
+                found[f"{component}.{name}"] = _shown(model, variable, element)
     return dict(sorted(found.items()))
 
 

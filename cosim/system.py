@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Self
 
-from cosim.engine.editing import edit, parse_source
+from cosim.engine.editing import edit
 from cosim.engine.run_options import RunOptions, takes_run_options
 from cosim.engine.session import Session
 from cosim.engine.structure import Structure
@@ -101,7 +101,8 @@ class System(Structure):
             The replacement's ``.fmu`` file.
         connections
             Input of the system, as ``component.variable``, to the output that feeds it from now on: the replacement's
-            by its bare name, any by ``component.variable``; ``"0.001*z"`` and ``"-1*z+0.5"`` transform.
+            by its bare name, any by ``component.variable``; ``"0.001*z"`` and ``"-1*z+0.5"`` transform, double quotes
+            protect a name.
 
         Raises
         ------
@@ -112,12 +113,8 @@ class System(Structure):
         --------
         >>> system.replace("shaker", "cab.fmu", {"seat.floor_displacement": "0.001*z"})     # doctest: +SKIP
         """
-        new = []
-        for sink, text in (connections or {}).items():
-            output, transformation = parse_source(text)
-            complete = output.partition(".")[0] in self.models
-            new.append((output if complete else f"{name}.{output}", transformation, sink))
-        edit(self, {name: fmu}, (), new)
+        new = [f'{text}="{sink}"' for sink, text in (connections or {}).items()]
+        edit(self, {name: fmu}, (), new, bare_names_of=name)
 
     def open(self, isolate: Iterable[str] = (), time_limit: float = TIME_LIMIT, capture_stdout: bool = True) -> Session:
         """Load all FMUs, for one run or many; use it in a ``with`` statement.

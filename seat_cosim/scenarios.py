@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.errors import SetupError
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.system import System
 
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}

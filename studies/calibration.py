@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.ssp import parameter_set, read_parameters
 from cosim.system import System
 from plant_models import parameter_sets

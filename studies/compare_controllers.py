@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from seat_controller_fmu.design.gains import load
 from seat_controller_fmu.parameters import OBSERVERS
 from seat_cosim.cli.options import parameter_sets

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cosim import Result
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.metrics import Spectrum, peak, psd, rms, sine_transmissibility
 from seat_cosim.paper.rig_ride import DURATION, SEEDS, SETTLE
 from seat_cosim.paper.runner import DRIVER, FLOOR, SEAT

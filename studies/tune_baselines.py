@@ -26,7 +26,7 @@ from scipy.linalg import expm, solve_discrete_are
 from scipy.optimize import minimize
 
 from cosim.engine.session import Session
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.metrics import actuator, deflection_range, ride
 from seat_controller_fmu.parameters import OBSERVERS, SAMPLE_TIME
 from seat_cosim.scenarios import control, driver_mass, observer, seat_suspension

@@ -2,42 +2,24 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from cosim.engine.structure import Structure, VariableRef
+from cosim.engine.names import parse_source, split_connection
+from cosim.engine.network import VariableRef
+from cosim.engine.structure import Structure
 from cosim.engine.unconnected_inputs import derived_inputs
 from cosim.errors import SetupError, did_you_mean
 from cosim.units import Linear
-
-_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_TRANSFORMED = re.compile(rf"(?:(?P<factor>[-+]?{_NUMBER})\s*\*\s*)?(?P<output>.+?)(?P<offset>\s*[-+]\s*{_NUMBER})?")
-
-
-def parse_source(text: str) -> tuple[str, Linear]:
-    """Split an output with the transformation of its values: ``cab.z``, ``0.001*cab.z``, ``-1*cab.z + 0.5``.
-
-    Returns
-    -------
-    output : str
-        Without the transformation.
-    transformation : Linear
-        The identity where the text holds none.
-    """
-    found = _TRANSFORMED.fullmatch(text.strip())
-    if found is None:
-        raise SetupError(f"{text!r}: expected COMPONENT.OUTPUT, or FACTOR*COMPONENT.OUTPUT+OFFSET")
-    offset = (found["offset"] or "0").replace(" ", "")
-    return found["output"].strip(), Linear(float(found["factor"] or 1.0), float(offset))
 
 
 def edit(
     structure: Structure,
     replace: Mapping[str, str | Path],
     disconnect: Iterable[str],
-    connect: Iterable[tuple[str, Linear, str]],
+    connect: Iterable[str],
+    bare_names_of: str | None = None,
 ) -> None:
     """Change a system; it stays as it was if a change is not possible.
 
@@ -50,8 +32,10 @@ def edit(
     disconnect
         Inputs whose connection is removed, as ``component.variable``.
     connect
-        Output, transformation and input of each new connection; it takes the place of an old one from or to a replaced
-        component.
+        New connections as ``output=input``, the output with or without a transformation, see
+        :mod:`cosim.engine.names`; each takes the place of an old one from or to a replaced component.
+    bare_names_of
+        A component whose outputs may be named without it.
 
     Raises
     ------
@@ -62,16 +46,32 @@ def edit(
         lost = [sink for name, fmu in replace.items() for sink in structure.replace_component(name, fmu)]
         for sink in disconnect:
             structure.disconnect(sink)
-        for source, transformation, sink in connect:
-            connection = structure.connections.get(VariableRef.parse(sink))
-            if connection is not None and {connection.source.component, VariableRef.parse(sink).component} & set(
-                replace
-            ):
+        for text in connect:
+            source, transformation, sink = _parse_connection(structure, text, bare_names_of)
+            ref = structure.reference(sink)
+            connection = structure.connections.get(ref)
+            if connection is not None and {connection.source.component, ref.component} & set(replace):
                 structure.disconnect(sink)
             structure.connect(source, sink, transformation)
         problems = [_describe(structure, sink, replace) for sink in _unconnected(structure, lost)]
         if problems:
             raise SetupError(*problems)
+
+
+def _parse_connection(structure: Structure, text: str, component: str | None) -> tuple[str, Linear, str]:
+    """Split ``output=input`` into output, transformation and input."""
+    source, sink = split_connection(text, structure.has)
+    if not (source and sink):
+        raise SetupError(f"connect {text}: expected A.x=B.y, the output first")
+
+    def complete(name: str) -> str:
+        bare = component is not None and not structure.has(name)
+        if bare and (structure.has(f"{component}.{name}") or name.partition(".")[0] not in structure.models):
+            return f"{component}.{name}"
+        return name
+
+    output, transformation = parse_source(source, lambda name: structure.has(complete(name)))
+    return complete(output), transformation, sink
 
 
 @contextmanager
@@ -88,11 +88,12 @@ def _all_or_nothing(structure: Structure) -> Iterator[None]:
 
 def _unconnected(structure: Structure, lost: Iterable[VariableRef]) -> Iterator[VariableRef]:
     """Find the inputs without a connection that their component cannot derive."""
-    connected = {str(ref) for ref in structure.connections}
     for sink in lost:
-        derived = derived_inputs(sink.component, structure.models[sink.component], connected)
-        if str(sink) not in connected | derived and sink.variable in structure.models[sink.component].variables:
-            yield sink
+        model = structure.models[sink.component]
+        if structure.has(sink) and structure.feeding(sink) is None:
+            connected = {ref.variable for ref in structure.connections if ref.component == sink.component}
+            if sink.variable not in derived_inputs(model, connected):
+                yield sink
 
 
 def _describe(structure: Structure, sink: VariableRef, replaced: Iterable[str]) -> str:

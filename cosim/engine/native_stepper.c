@@ -73,10 +73,36 @@ static INLINE bool accepted(Schedule *schedule, int status, int64_t *warned)
 
 static int call_access(const Component *component, const VariableAccess *access)
 {
-    const size_t count = (size_t)access->count;
+    const size_t references = (size_t)access->reference_count, count = (size_t)access->count;
     return component->fmi_version == 2
-               ? ((Access2 *)access->function)(component->instance, access->references, count, access->buffer)
-               : ((Access3 *)access->function)(component->instance, access->references, count, access->buffer, count);
+               ? ((Access2 *)access->function)(component->instance, access->references, references, access->buffer)
+               : ((Access3 *)access->function)(component->instance, access->references, references, access->buffer,
+                                               count);
+}
+
+/* The value of an input's element. */
+static INLINE double input_value(const VariableAccess *access, const double values[], int64_t i)
+{
+    const double value = values[access->index[i]];
+    return access->factors == NULL ? value : access->factors[i] * value + access->offsets[i];
+}
+
+/* Whether the values of all elements of an input are in range. */
+static bool check_range(Schedule *schedule, const Component *component, int64_t number)
+{
+    const VariableAccess *access = &component->inputs[number];
+    if (access->low == NULL) {
+        return true;
+    }
+    for (int64_t i = 0; i < access->count; ++i) {
+        const double value = input_value(access, schedule->values, i);
+        if (!(access->low[i] <= value && value <= access->high[i])) {
+            begin_call(schedule, out_of_range, component, number);
+            schedule->call.element = i;
+            return false;
+        }
+    }
+    return true;
 }
 
 /* Fill the buffer of a setter from the table. */
@@ -84,7 +110,7 @@ static void fill_buffer(const VariableAccess *access, const double values[])
 {
     if (access->factors != NULL) {
         for (int64_t i = 0; i < access->count; ++i) {
-            const double value = access->factors[i] * values[access->index[i]] + access->offsets[i];
+            const double value = input_value(access, values, i);
             if (access->type == float64) { /* only floating-point numbers are transformed */
                 ((double *)access->buffer)[i] = value;
             } else {
@@ -120,6 +146,30 @@ static void empty_buffer(const VariableAccess *access, double values[])
     }
 }
 
+static bool magnitude_fits(int64_t value, int64_t largest)
+{
+    return -largest <= value && value <= largest;
+}
+
+/* Whether all integers of an output are exact as double, or the caller goes on with those that are not. */
+static bool check_exact(Schedule *schedule, const VariableAccess *access)
+{
+    const int64_t exact = INT64_C(1) << 53;
+    for (int64_t i = 0; i < access->count; ++i) {
+        const bool fits = access->type == uint64
+                              ? ((const uint64_t *)access->buffer)[i] <= (uint64_t)exact
+                              : magnitude_fits(((const int64_t *)access->buffer)[i], exact);
+        if (!fits) {
+            schedule->call.element = i;
+            if (!schedule->inexact()) {
+                schedule->call.cause = inexact;
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 static INLINE bool set_inputs(Schedule *schedule, const Component *component)
 {
     for (int64_t a = 0; a < component->input_count; ++a) {
@@ -130,6 +180,9 @@ static INLINE bool set_inputs(Schedule *schedule, const Component *component)
                 buffer[i] = schedule->values[access->index[i]];
             }
         } else {
+            if (!check_range(schedule, component, a)) {
+                return false;
+            }
             fill_buffer(access, schedule->values);
         }
         begin_call(schedule, setting, component, a);
@@ -140,13 +193,13 @@ static INLINE bool set_inputs(Schedule *schedule, const Component *component)
     return true;
 }
 
-typedef enum { CONTINUOUS = 1, DISCRETE = 2, ALL = 3 } Which;
+typedef enum { AT_END = 1, SAMPLED = 2, ALL = 3 } Which;
 
 static INLINE bool get_outputs(Schedule *schedule, const Component *component, Which which)
 {
     for (int64_t a = 0; a < component->output_count; ++a) {
         VariableAccess *access = &component->outputs[a];
-        if ((which & (access->discrete ? DISCRETE : CONTINUOUS)) == 0) {
+        if ((which & (access->sampled ? SAMPLED : AT_END)) == 0) {
             continue;
         }
         begin_call(schedule, getting, component, a);
@@ -154,28 +207,20 @@ static INLINE bool get_outputs(Schedule *schedule, const Component *component, W
             return false;
         }
         if (access->index != NULL) {
+            if (access->may_be_inexact && !check_exact(schedule, access)) {
+                return false;
+            }
             empty_buffer(access, schedule->values);
         }
     }
     return true;
 }
 
-/* ---- initialisation ---------------------------------------------------------------------------------------------- */
+/* ---- begin of a run ---------------------------------------------------------------------------------------------- */
 
-static bool values_changed(const Schedule *schedule)
+EXPORT void stepper_begin(Schedule *schedule)
 {
-    for (int64_t i = 0; i < schedule->value_count; ++i) {
-        const double a = schedule->previous[i], b = schedule->values[i];
-        if (a != b && (a == a || b == b)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* A run begins: no call has warned yet. */
-static void clear_warnings(const Schedule *schedule)
-{
+    schedule->done = 0;
     for (int64_t i = 0; i < schedule->component_count; ++i) {
         Component *component = &schedule->components[i];
         component->warned = 0;
@@ -188,40 +233,12 @@ static void clear_warnings(const Schedule *schedule)
     }
 }
 
-EXPORT bool stepper_initialize(Schedule *schedule)
-{
-    const Component *const end = schedule->components + schedule->component_count;
-    clear_warnings(schedule);
-    bool changed = true;
-    for (int64_t round = 0; round < schedule->component_count && changed; ++round) {
-        memcpy(schedule->previous, schedule->values, (size_t)schedule->value_count * sizeof *schedule->values);
-        for (const Component *component = schedule->components; component < end; ++component) {
-            if (!set_inputs(schedule, component) || !get_outputs(schedule, component, ALL)) {
-                return false;
-            }
-        }
-        changed = values_changed(schedule);
-    }
-    return true;
-}
-
-EXPORT bool stepper_get_outputs(Schedule *schedule)
-{
-    const Component *const end = schedule->components + schedule->component_count;
-    for (const Component *component = schedule->components; component < end; ++component) {
-        if (!get_outputs(schedule, component, ALL)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* ---- steps ------------------------------------------------------------------------------------------------------- */
 
 /* Step by a substep; `number` is that of the step's first substep. */
 static INLINE bool do_substep(Schedule *schedule, Component *component, int64_t number, int64_t substep)
 {
-    const double time = (double)(number + substep) * component->step_size;
+    const double time = schedule->start_time + (double)(number + substep) * component->step_size;
     begin_call(schedule, stepping, component, substep);
     if (component->fmi_version == 2) {
         const int status = ((DoStep2 *)component->do_step)(component->instance, time, component->step_size, 1);
@@ -250,13 +267,13 @@ static bool do_step(Schedule *schedule, Component *component, int64_t tick)
     return true;
 }
 
-/* Which outputs a component gives in this tick: a sample's at its begin, what is continuous at the end of the step. */
+/* Which outputs a component gives in this tick: samples at the begin of its step, all others at its end. */
 static Which due_outputs(const Component *component, int64_t tick)
 {
     if (component->factor == 1) {
         return ALL;
     }
-    return (tick % component->factor == 0 ? DISCRETE : 0) | ((tick + 1) % component->factor == 0 ? CONTINUOUS : 0);
+    return (tick % component->factor == 0 ? SAMPLED : 0) | ((tick + 1) % component->factor == 0 ? AT_END : 0);
 }
 
 static bool is_due(const Component *component, int64_t tick)
@@ -321,7 +338,7 @@ EXPORT bool stepper_run(Schedule *schedule, int64_t first, int64_t last)
             return false;
         }
         if (recorded) {
-            row[0] = (double)tick * schedule->step_size;
+            row[0] = schedule->start_time + (double)tick * schedule->step_size;
             record(schedule, row, schedule->continuous, schedule->continuous_count);
         }
         for (Component *component = schedule->components; component < end; component += schedule->group) {
@@ -330,7 +347,7 @@ EXPORT bool stepper_run(Schedule *schedule, int64_t first, int64_t last)
             }
         }
         if (recorded) {
-            record(schedule, row, schedule->discrete, schedule->discrete_count);
+            record(schedule, row, schedule->sampled, schedule->sampled_count);
             row += schedule->width;
             until_row = every;
         }

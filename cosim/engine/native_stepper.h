@@ -2,6 +2,7 @@
 
 typedef void (*Function)(void); /* of an FMU; called by its own type */
 typedef void Notice(void);      /* of the caller */
+typedef bool Verdict(void);     /* of the caller */
 
 /* Types of values. */
 typedef enum {
@@ -12,13 +13,15 @@ typedef enum {
 typedef struct {
     Function function; /* getter or setter */
     const uint32_t *references;
-    void *buffer;
-    const int64_t *index;            /* places in the table; NULL of an output that is read right into the table */
+    void *buffer;                    /* elements of all variables */
+    const int64_t *index;            /* of each element in the table; NULL of an output that is read right into the table */
     const double *factors, *offsets; /* transform values on their way from the table; NULL where they stay */
-    int64_t count;
+    const double *low, *high;        /* range of each element of an input; NULL where all values fit */
+    int64_t count, reference_count;  /* elements, variables */
     ValueType type;
-    int64_t discrete;
-    int64_t warned; /* whether the caller knows that this call warns in this run */
+    int64_t may_be_inexact;          /* whether values of an output may not be exact in the table */
+    int64_t sampled;                 /* whether the outputs are values at the begin of a step */
+    int64_t warned;                  /* whether the caller knows that this call warns in this run */
 } VariableAccess;
 
 typedef struct {
@@ -38,13 +41,16 @@ typedef struct {
 } RecordedValue;
 
 /* What is called, or what went wrong. */
-typedef enum { nothing, setting, stepping, getting, terminated, returned_early, not_finite } Cause;
+typedef enum {
+    nothing, setting, stepping, getting, terminated, returned_early, not_finite, out_of_range, inexact
+} Cause;
 
 /* The call that is made, so that the caller can tell which one an FMU's message comes from; in the end, what went wrong. */
 typedef struct {
     const Component *component;
     Cause cause;
     int64_t number; /* of the input or output access, or of the substep */
+    int64_t element; /* of the access, whose value does not fit */
     int64_t status;
     double reached; /* time in s that the FMU says it has reached */
 } Call;
@@ -52,25 +58,23 @@ typedef struct {
 typedef struct {
     Component *components;                       /* in the order in which they step */
     int64_t component_count, group;              /* group: how many exchange values at once */
-    double *values, *previous;                   /* of all outputs; room for as many */
+    double *values;                              /* of all outputs, and constants */
     int64_t value_count;
     double *rows;                                /* where the row of tick `first_recorded` goes; the others follow */
-    const RecordedValue *continuous, *discrete;
-    int64_t width, continuous_count, discrete_count, record_every, first_recorded;
+    const RecordedValue *continuous, *sampled;   /* recorded before a tick's step, and after it */
+    int64_t width, continuous_count, sampled_count, record_every, first_recorded;
     int64_t done;                                /* number of ticks that are complete */
-    double step_size;                            /* communication step size, in s */
+    double start_time, step_size;                /* of the run and of communication, in s */
     Notice *warned;                              /* called when a call warns for the first time in a run */
+    Verdict *inexact;                            /* called for a value that is not exact; whether the run can go on */
     Call call;
 } Schedule;
 
 /* The hash of the sources that the library was compiled of. */
 const char *stepper_source(void);
 
-/* Exchange initial values until nothing changes, at most as often as there are components; whether all calls went well. */
-bool stepper_initialize(Schedule *schedule);
-
-/* Get all outputs; whether all calls went well. */
-bool stepper_get_outputs(Schedule *schedule);
+/* Begin a run: no tick is complete, no call has warned. */
+void stepper_begin(Schedule *schedule);
 
 /* Step from one tick to another; whether nothing went wrong, else `call` says what. */
 bool stepper_run(Schedule *schedule, int64_t first, int64_t last);

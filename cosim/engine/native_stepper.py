@@ -55,12 +55,11 @@ def load() -> Any:
         library.stepper_source.restype = ctypes.c_char_p
         if library.stepper_source() != fingerprint():
             return None
-        for function in (library.stepper_initialize, library.stepper_get_outputs, library.stepper_run):
-            function.restype = ctypes.c_bool
+        library.stepper_run.restype = ctypes.c_bool
     except (OSError, AttributeError):
         return None
     library.stepper_run.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
-    library.stepper_initialize.argtypes = library.stepper_get_outputs.argtypes = [ctypes.c_void_p]
+    library.stepper_begin.argtypes = [ctypes.c_void_p]
     return library
 
 
@@ -83,6 +82,8 @@ class Cause(IntEnum):
     terminated = 4
     returned_early = 5
     not_finite = 6
+    out_of_range = 7
+    inexact = 8
 
 
 def _structure(name: str, **fields: Any) -> type[ctypes.Structure]:
@@ -95,10 +96,10 @@ def _fields(kind: Any, names: str) -> dict[str, Any]:
 
 _Access = _structure(
     "VariableAccess",
-    **_fields(ctypes.c_void_p, "function references buffer index factors offsets"),
-    count=ctypes.c_int64,
+    **_fields(ctypes.c_void_p, "function references buffer index factors offsets low high"),
+    **_fields(ctypes.c_int64, "count reference_count"),
     type=ctypes.c_int,
-    **_fields(ctypes.c_int64, "discrete warned"),
+    **_fields(ctypes.c_int64, "may_be_inexact sampled warned"),
 )
 _Component = _structure(
     "Component",
@@ -112,25 +113,26 @@ _Call = _structure(
     "Call",
     component=ctypes.c_void_p,
     cause=ctypes.c_int,
-    **_fields(ctypes.c_int64, "number status"),
+    **_fields(ctypes.c_int64, "number element status"),
     reached=ctypes.c_double,
 )
 _Schedule = _structure(
     "Schedule",
     components=ctypes.c_void_p,
     **_fields(ctypes.c_int64, "component_count group"),
-    **_fields(ctypes.c_void_p, "values previous"),
+    values=ctypes.c_void_p,
     value_count=ctypes.c_int64,
-    **_fields(ctypes.c_void_p, "rows continuous discrete"),
-    **_fields(ctypes.c_int64, "width continuous_count discrete_count record_every first_recorded done"),
-    step_size=ctypes.c_double,
-    warned=ctypes.c_void_p,
+    **_fields(ctypes.c_void_p, "rows continuous sampled"),
+    **_fields(ctypes.c_int64, "width continuous_count sampled_count record_every first_recorded done"),
+    **_fields(ctypes.c_double, "start_time step_size"),
+    **_fields(ctypes.c_void_p, "warned inexact"),
     call=_Call,
 )
 STRUCTURES = (_Access, _Component, _RecordedValue, _Call, _Schedule)
 """Mirrors of the structures, each with the name it has in C."""
 
 _Notice = ctypes.CFUNCTYPE(None)
+_Verdict = ctypes.CFUNCTYPE(ctypes.c_bool)
 
 
 def _address(array: np.ndarray[Any, Any] | None) -> int | None:
@@ -149,10 +151,23 @@ def _access(access: VariableAccess) -> ctypes.Structure:
         index=None if access.direct else _address(access.index),
         factors=_address(access.factors),
         offsets=_address(access.offsets),
+        low=_address(access.low),
+        high=_address(access.high),
         count=len(access.index),
+        reference_count=len(access.call.references),
         type=TYPES.index(access.call.buffer.dtype.name),
-        discrete=access.discrete,
+        may_be_inexact=access.connected is not None,
+        sampled=access.sampled,
     )
+
+
+_ACCESSES = {
+    Cause.setting: "inputs",
+    Cause.out_of_range: "inputs",
+    Cause.getting: "outputs",
+    Cause.inexact: "outputs",
+}
+"""Causes that concern an access to variables, each with the field of :class:`cosim.fmi.access.NativeCalls` it is in."""
 
 
 class NativeCallTracker:
@@ -181,15 +196,30 @@ class NativeCallTracker:
     def where(self) -> tuple[str, float]:
         """Return the name of the function that is called, and its time in s."""
         call, tick = self._native.call, self._native.done
-        calls = self._calls[self._number]
-        if call.cause in (Cause.setting, Cause.getting):
-            accesses = calls.inputs if call.cause == Cause.setting else calls.outputs
-            return accesses[call.number].call.name, self._schedule.clock.time(tick)
-        return calls.step_name, self._schedule.components[self._number].decimation.time(tick, call.number)
+        if call.cause in _ACCESSES:
+            return self._access.call.name, self._schedule.clock.time(tick)
+        component = self._schedule.components[self._number]
+        return self._calls[self._number].step_name, component.decimation.time(tick, call.number)
+
+    @property
+    def _access(self) -> VariableAccess:
+        """Which variables are accessed."""
+        call, calls = self._native.call, self._calls[self._number]
+        access: VariableAccess = getattr(calls, _ACCESSES[call.cause])[call.number]
+        return access
 
     def warned(self) -> None:
         """Note that the current call has returned a warning."""
         self._instances[self._number].messages.warned(*self.where())
+
+    def inexact(self) -> bool:
+        """Note that a value is not exact in the table; returns whether the run can go on."""
+        _, time = self.where()
+        try:
+            self._instances[self._number].inexact(self._access, self._native.call.element, time)
+        except RunError:
+            return False
+        return True
 
     def failure(self) -> RunError:
         """Describe what went wrong, with the messages of the loop in Python."""
@@ -201,6 +231,8 @@ class NativeCallTracker:
                 return error
         instance: Instance = self._instances[self._number]
         name, time = self.where()
+        if call.cause in (Cause.out_of_range, Cause.inexact):
+            return instance.unfit(self._access, call.element, time)
         if call.cause == Cause.terminated:
             return instance.termination_requested(name, call.reached)
         if call.cause == Cause.returned_early:
@@ -228,25 +260,25 @@ class NativeStepper:
         self._recorder = recorder
         self._referenced: list[Any] = []  # what the structures point to
         components = self._keep((_Component * len(calls))(*self._components(schedule, calls)))
-        previous = self._keep(np.zeros_like(schedule.values))
         self._native = _Schedule(
             components=ctypes.addressof(components),
             component_count=len(calls),
             group=len(calls) if schedule.jacobi else 1,
             values=_address(schedule.values),
-            previous=_address(previous),
             value_count=len(schedule.values),
             continuous=_address(recorder.continuous),
-            discrete=_address(recorder.discrete),
+            sampled=_address(recorder.sampled),
             continuous_count=len(recorder.continuous),
-            discrete_count=len(recorder.discrete),
+            sampled_count=len(recorder.sampled),
             record_every=recorder.every,
+            start_time=schedule.clock.start_time,
             step_size=schedule.clock.step_size,
         )
         self._pointer = ctypes.addressof(self._native)
         self._tracker = NativeCallTracker(schedule, instances, calls, self._native)
         self._logs = [instance.messages for instance in instances]
         self._native.warned = _function(self._keep(_Notice(self._tracker.warned)))
+        self._native.inexact = _function(self._keep(_Verdict(self._tracker.inexact)))
 
     def _keep(self, thing: Any) -> Any:
         self._referenced.append(thing)
@@ -281,13 +313,9 @@ class NativeStepper:
     def done(self, ticks: int) -> None:
         self._native.done = ticks
 
-    def initialize(self) -> None:
-        """Exchange initial values along the connections until nothing changes."""
-        self._call(self._library.stepper_initialize)
-
-    def get_outputs(self) -> None:
-        """Get all outputs."""
-        self._call(self._library.stepper_get_outputs)
+    def begin(self) -> None:
+        """Begin a run."""
+        self._library.stepper_begin(self._pointer)
 
     def run(self, first: int, last: int) -> None:
         """Step from one tick to another and record."""

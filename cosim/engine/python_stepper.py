@@ -115,22 +115,9 @@ class PythonStepper:
         self.done = 0
         self.attributed = False
 
-    def initialize(self) -> None:
-        """Exchange initial values along the connections until nothing changes."""
-        for _ in self._schedule.components:  # the longest chain of connections without a loop
-            before = self._schedule.values.copy()
-            for component in self._schedule.components:
-                with component.instance.calling("initial exchange"):
-                    component.instance.set_inputs(0.0)
-                    component.instance.get_outputs(0.0)
-            if np.array_equal(before, self._schedule.values, equal_nan=True):
-                break
-
-    def get_outputs(self) -> None:
-        """Get all outputs."""
-        for component in self._schedule.components:
-            with component.instance.calling("initial exchange"):
-                component.instance.get_outputs(0.0)
+    def begin(self) -> None:
+        """Begin a run."""
+        self.done = 0
 
     def run(self, first: int, last: int) -> None:
         """Step from one tick to another and record."""
@@ -171,12 +158,12 @@ class PythonStepper:
 
 
 def _get_due_outputs(component: ScheduledComponent, tick: int, time: float) -> None:
-    """Get a component's outputs: what is discrete where its step begins, what is continuous where it ends."""
+    """Get a component's outputs: samples where its step begins, all others where it ends."""
     factor = component.decimation.factor
     if factor == 1:
         component.instance.get_outputs(time)
         return
     if tick % factor == 0:
-        component.instance.get_outputs(time, discrete=True)
+        component.instance.get_outputs(time, sampled=True)
     if (tick + 1) % factor == 0:
-        component.instance.get_outputs(time, discrete=False)
+        component.instance.get_outputs(time, sampled=False)

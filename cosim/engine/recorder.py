@@ -18,14 +18,14 @@ BLOCK = 4096
 class Recorder:
     """Records rows of ticks 0, N, 2 N, ... and the last.
 
-    A row holds continuous outputs as they were before the tick's step, discrete ones as they were after it.
+    A row holds outputs as they were before the tick's step, samples at the begin of that step as they were after it.
 
     Parameters
     ----------
     schedule
         Of the run.
-    names, units, discrete
-        Outputs to record as ``component.variable``, their units, and whether they are discrete.
+    names, units, sampled
+        Outputs to record as ``component.element``, their units, and whether they are samples at the begin of a step.
     every
         N.
 
@@ -35,7 +35,7 @@ class Recorder:
         Time and recorded values, shape (rows, 1 + names): all rows of a run, or a block of them.
     first_tick
         Tick of ``rows[0]``.
-    continuous, discrete
+    continuous, sampled
         Pairs of a column in ``rows`` and an index in the schedule's values.
     complete
         Whether the run reached its stop time.
@@ -46,16 +46,16 @@ class Recorder:
         schedule: Schedule,
         names: Sequence[str],
         units: Sequence[str | None],
-        discrete: Sequence[bool],
+        sampled: Sequence[bool],
         every: int,
     ) -> None:
         self.names, self.units, self.every = names, units, every
         self._values, self._clock = schedule.values, schedule.clock
         index = {name: i for i, name in enumerate(schedule.names)}
         pairs = np.array([(column, index[name]) for column, name in enumerate(names, 1)], np.int64).reshape(-1, 2)
-        chosen = np.array(discrete, dtype=bool)
+        chosen = np.array(sampled, dtype=bool)
         self._index = pairs[:, 1].copy()
-        self.continuous, self.discrete = pairs[~chosen], pairs[chosen]
+        self.continuous, self.sampled = pairs[~chosen], pairs[chosen]
         self._set_up(0, keep=False, sinks=())
 
     def _set_up(self, rows: int, keep: bool, sinks: Sequence[Sink]) -> None:
@@ -107,17 +107,17 @@ class Recorder:
         return (len(self.rows) - 1) * self.every
 
     def before(self, tick: int) -> None:
-        """Record time and continuous outputs before the step of a tick."""
+        """Record time and outputs before the step of a tick."""
         if tick % self.every == 0:
             row = self.rows[(tick - self.first_tick) // self.every]
             row[0] = self._clock.time(tick)
             row[self.continuous[:, 0]] = self._values[self.continuous[:, 1]]
 
     def after(self, tick: int) -> None:
-        """Record discrete outputs after the step of a tick; with that the row is complete."""
+        """Record samples after the step of a tick; with that the row is complete."""
         if tick % self.every == 0:
             row = self.rows[(tick - self.first_tick) // self.every]
-            row[self.discrete[:, 0]] = self._values[self.discrete[:, 1]]
+            row[self.sampled[:, 0]] = self._values[self.sampled[:, 1]]
 
     def flush(self, done: int) -> None:
         """Write the rows of all complete ticks to the sinks.

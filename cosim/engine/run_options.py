@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field
-from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Concatenate, ParamSpec, TypeVar
 
 from cosim.engine import native_stepper
 from cosim.engine.clock import Clock
@@ -14,39 +15,43 @@ from cosim.engine.schedule import Decimation, decimations
 from cosim.engine.structure import ALGORITHMS, Algorithm, Structure
 from cosim.engine.unconnected_inputs import UnconnectedInputs
 from cosim.errors import Problems, did_you_mean
-from cosim.fmi.description import Value
 from cosim.fmi.isolated import MAX_TIME_LIMIT, TIME_LIMIT
+from cosim.fmi.values import Checked, Value
 from cosim.results.result import STEPPERS, Sink, StepperName
 
 
-class CheckedRun(NamedTuple):
+@dataclass(frozen=True)
+class CheckedRun:
     """Options that fit a system.
 
     Attributes
     ----------
     key
-        What the clock, decimations and names to record follow from.
+        What all but the values follows from.
+    sizes
+        Component to the sizes of its arrays, see :meth:`cosim.engine.structure.Structure.sizes`.
     clock
         Of the run.
     decimations
         Component to how it steps along with the communication steps.
     record
-        Outputs to record, as ``component.variable``.
-    given
-        Names of the parameters that the run sets.
+        Outputs to record, as ``component.element``.
     unconnected
         Component to how its unconnected inputs are resolved.
+    notes
+        What the user should know.
     values
         Component to variable to the value as its FMU takes it.
     """
 
     key: tuple[object, ...]
-    clock: Clock
-    decimations: dict[str, Decimation]
-    record: list[str]
-    given: tuple[str, ...]
-    unconnected: dict[str, UnconnectedInputs]
-    values: dict[str, dict[str, float | str]]
+    sizes: dict[str, dict[int, int]]
+    clock: Clock = Clock(1.0, 1)
+    decimations: dict[str, Decimation] = field(default_factory=dict)
+    record: list[str] = field(default_factory=list)
+    unconnected: dict[str, UnconnectedInputs] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    values: dict[str, dict[str, Checked]] = field(default_factory=dict)
 
 
 def _names(given: Iterable[str]) -> tuple[str, ...]:
@@ -61,7 +66,8 @@ class RunOptions:
     Attributes
     ----------
     stop_time, step_size
-        Stop time and communication step size, in s; the first a multiple of the second. Where None, the system's.
+        Stop time and communication step size, in s; from the start time to the stop time there is a whole number of
+        steps. Where None, the system's.
     parameters
         ``component.variable`` to value; all others start from their defaults, whatever ran before.
     record
@@ -70,6 +76,10 @@ class RunOptions:
         Called with the simulated time reached, in s, some twenty times a second or after each longer step.
     record_every
         N: rows of t_0, t_N, t_2N, ... and of the stop time are recorded.
+    start_time
+        In s; where None, the system's, else that on which the default experiments of the FMUs agree, else 0.
+    tolerance
+        Relative tolerance for all FMUs; where None, each gets that of its default experiment.
     algorithm
         How components exchange values, see :data:`cosim.engine.structure.ALGORITHMS`; the system's where None.
     stepper
@@ -98,6 +108,8 @@ class RunOptions:
     progress: Callable[[float], None] | None = None
     _: KW_ONLY
     record_every: int = 1
+    start_time: float | None = None
+    tolerance: float | None = None
     algorithm: Algorithm | None = None
     stepper: StepperName | None = None
     real_time: bool = False
@@ -138,28 +150,40 @@ class RunOptions:
             With all problems found.
         """
         problems = Problems()
-        key = (self.stop_time, self.step_size, self.record, self.record_every, self.algorithm, self.stepper)
-        if previous is not None and previous.key == key:
-            clock, steps, record = previous.clock, previous.decimations, previous.record
-        else:
-            problems.found += self._problems()
-            with problems.collected():
-                clock = structure.clock(self.stop_time, self.step_size)
-                steps = decimations(structure.component_steps, list(structure.models), clock)
-            with problems.collected():
-                record = structure.recorded(self.record)
-        given = tuple(self.values)
-        unconnected = (
-            previous.unconnected
-            if previous is not None and previous.given == given
-            else structure.unconnected_inputs(given)
-        )
+        sizes: dict[str, dict[int, int]] = {}
         with problems.collected():
-            values = structure.check_parameters(self.values, unconnected)
+            sizes = structure.sizes(self.values)
+        problems.raise_any()
+        times = self.stop_time, self.step_size, self.start_time
+        given = tuple(self.values)
+        key = (times, self.record, self.record_every, self.algorithm, self.stepper, sizes, given)
+        if previous is not None and previous.key == key:
+            checked = previous
+        else:
+            checked = self._check_all_but_values(structure, problems, CheckedRun(key, sizes))
+        with problems.collected():
+            values = structure.check_parameters(self.values, sizes, checked.unconnected)
         if self.isolate or self.time_limit != TIME_LIMIT:
             problems.found += isolation_problems(structure, self.isolate, self.time_limit)
         problems.raise_any()
-        return CheckedRun(key, clock, steps, record, given, unconnected, values)
+        return replace(checked, values=values)
+
+    def _check_all_but_values(self, structure: Structure, problems: Problems, checked: CheckedRun) -> CheckedRun:
+        """Check what depends on names only."""
+        problems.found += self._problems()
+        notes: list[str] = []
+        with problems.collected():
+            clock = structure.clock(self.stop_time, self.step_size, self.start_time)
+            own_steps = structure.own_steps(clock)
+            steps = decimations(own_steps, list(structure.models), clock)
+            checked = replace(checked, clock=clock, decimations=steps)
+            notes += structure.time_notes(clock)
+        with problems.collected():
+            checked = replace(checked, record=structure.recorded(self.record, checked.sizes))
+        unconnected = structure.unconnected_inputs(self.values)
+        notes = [*structure.notes(self.values, unconnected), *notes]
+        notes += structure.unrecorded() if self.record is None else []
+        return replace(checked, unconnected=unconnected, notes=notes)
 
     def _problems(self) -> list[str]:
         """Find options that are wrong for every system."""
@@ -168,6 +192,8 @@ class RunOptions:
             problems.append(f"algorithm: expected {' or '.join(ALGORITHMS)}, got {self.algorithm}")
         if not isinstance(self.record_every, int) or self.record_every < 1:
             problems.append(f"record every: expected a whole number of steps above 0, got {self.record_every}")
+        if self.tolerance is not None and not 0.0 < self.tolerance < math.inf:
+            problems.append(f"tolerance: expected a finite number above 0, got {self.tolerance}")
         if self.stepper is not None and self.stepper not in STEPPERS:
             problems.append(f"stepper: expected {' or '.join(STEPPERS)}, got {self.stepper}")
         elif self.stepper == "c" and native_stepper.load() is None:

@@ -25,15 +25,26 @@ class Decimation(NamedTuple):
         ... in so many substeps, its inputs held; one of the two is 1.
     step_size
         Of one substep, in s.
+    start_time
+        Of the run, in s.
     """
 
     factor: int
     substeps: int
     step_size: float
+    start_time: float = 0.0
 
     def time(self, tick: int, substep: int = 0) -> float:
-        """Return when a substep begins, in s: a product, so that rounding errors do not add up."""
-        return (tick // self.factor * self.substeps + substep) * self.step_size
+        """Return when a substep begins, in s: by a product, so that rounding errors do not add up."""
+        return self.start_time + (tick // self.factor * self.substeps + substep) * self.step_size
+
+    def stop_time(self, clock: Clock) -> float:
+        """Return the stop time to announce to the component, in s: not before the end of its last step.
+
+        A step ends where the sum of its begin and its length is rounded to, an ulp past the clock's stop time at times.
+        """
+        begin = self.time(clock.steps - self.factor, self.substeps - 1)
+        return max(clock.stop_time, begin + self.step_size)
 
 
 def decimations(component_steps: Mapping[str, float], components: Sequence[str], clock: Clock) -> dict[str, Decimation]:
@@ -59,7 +70,7 @@ def decimations(component_steps: Mapping[str, float], components: Sequence[str],
         If a step size is neither a multiple nor a whole part of the clock's, or does not fit into the run: no component
         steps past the stop time.
     """
-    found = {name: Decimation(1, 1, clock.step_size) for name in components}
+    found = {name: Decimation(1, 1, clock.step_size, clock.start_time) for name in components}
     problems = Problems()
     for name, step in component_steps.items():
         with problems.collected():
@@ -78,8 +89,8 @@ def _decimation(name: str, step: float, clock: Clock) -> Decimation:
     if abs(factor * h - substeps * step) > 1e-9 * max(step, h):
         raise SetupError(f"step size of {name}: expected a multiple or a whole part of {h} s, got {step} s")
     if clock.steps % factor:
-        raise SetupError(f"step size of {name}: expected one that fits into {clock.stop_time:g} s, got {step} s")
-    return Decimation(factor, substeps, step)
+        raise SetupError(f"step size of {name}: expected one that fits into {clock.steps * h:g} s, got {step} s")
+    return Decimation(factor, substeps, step, clock.start_time)
 
 
 @dataclass(frozen=True)
@@ -111,9 +122,9 @@ class Schedule:
     clock
         Of the run.
     values
-        Values of all outputs, float64.
+        Values of all outputs, float64, and of constants behind them.
     names
-        Names of these outputs, as ``component.variable``.
+        Names of these outputs, as ``component.element``.
     """
 
     components: Sequence[ScheduledComponent]
@@ -129,28 +140,13 @@ class Schedule:
 
 
 class Stepper(Protocol):
-    """Steps the components of a schedule, run after run; each run starts with :meth:`initialize`."""
+    """Steps the components of a schedule, run after run; each run starts with :meth:`begin`."""
 
     done: int
     """Number of ticks that are complete."""
 
-    def initialize(self) -> None:
-        """Exchange initial values along the connections until nothing changes.
-
-        Raises
-        ------
-        RunError
-            If an FMU refuses a call.
-        """
-
-    def get_outputs(self) -> None:
-        """Get all outputs.
-
-        Raises
-        ------
-        RunError
-            If an FMU refuses a call.
-        """
+    def begin(self) -> None:
+        """Begin a run: no tick is complete, and no call has returned a warning."""
 
     def run(self, first: int, last: int) -> None:
         """Step from one tick to another and record.

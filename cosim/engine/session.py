@@ -13,21 +13,26 @@ import numpy as np
 
 from cosim.engine import native_stepper
 from cosim.engine.clock import Pacer
+from cosim.engine.initialization import Initialization
+from cosim.engine.layout import Layout, Sizes, layout_of
 from cosim.engine.native_stepper import NativeStepper
 from cosim.engine.python_stepper import PythonStepper, check_finite, run_in_chunks
 from cosim.engine.recorder import Recorder
 from cosim.engine.run_options import CheckedRun, RunOptions, isolation_problems, takes_run_options
 from cosim.engine.schedule import Schedule, ScheduledComponent, Stepper
 from cosim.engine.stdout_monitor import StdoutMonitor
-from cosim.engine.structure import Structure, VariableRef
+from cosim.engine.structure import Structure
 from cosim.errors import CosimError, RunError, SetupError
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance
+from cosim.fmi.instance import Experiment, Instance
 from cosim.fmi.interrupts import check, critical_section, deferring_sigint
 from cosim.fmi.isolated import TIME_LIMIT, AnyInstance, IsolatedInstance
 from cosim.fmi.output_capture import OutputCapture
 from cosim.fmi.versions import instantiate
 from cosim.results.result import Result, StepperName
+
+_taken: set[str] = set()
+"""Tokens of FMUs that are instantiated in this process and allow one instance per process only."""
 
 
 class _Preparation(NamedTuple):
@@ -85,9 +90,10 @@ class Session:
         self._stack = ExitStack()
         self._instances: dict[str, AnyInstance] = {}
         self._warnings: list[str] = []
-        self._names = self._system.outputs()
-        self._index = {name: i for i, name in enumerate(self._names)}
-        self._values = np.zeros(len(self._names))
+        self._load_notes: list[str] = []
+        self._sizes: Sizes | None = None
+        self._layout = Layout()
+        self._values = np.zeros(0)
         self._checked: CheckedRun | None = None
         self._preparation: tuple[tuple[object, ...], _Preparation] | None = None
 
@@ -100,6 +106,7 @@ class Session:
                 for name, model in self._system.models.items():
                     self._load(name, model)
                     check()
+                self._lay_out(self._system.sizes({}))
         except BaseException:
             self._free()
             raise
@@ -113,21 +120,39 @@ class Session:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="seat-cosim-")))
         model.extract(folder)
         instance: AnyInstance
-        if name in self.isolated:
+        if name in self.isolated or self._is_taken(name, model):
             instance = IsolatedInstance(name, model, folder, self.time_limit)
         else:
             instance = instantiate(name, model, folder)
         self._stack.callback(instance.free)
         self._instances[name] = instance
-        instance.map_variables(
-            self._values,
-            outputs={v.name: self._index[f"{name}.{v.name}"] for v in model.outputs},
-            inputs={
-                sink.variable: (self._index[str(connection.source)], connection.transformation)
-                for sink, connection in self._system.connections.items()
-                if sink.component == name
-            },
-        )
+
+    def _is_taken(self, name: str, model: ModelDescription) -> bool:
+        """Whether this process has an instance of an FMU already that allows one per process only."""
+        if not model.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
+            return False
+        token = str(model.description.guid)
+        if token in _taken:
+            self._load_notes.append(
+                f"{name}: runs in a process of its own, as its FMU can be instantiated only once in a process"
+            )
+            return True
+        _taken.add(token)
+        self._stack.callback(_taken.discard, token)
+        return False
+
+    def _lay_out(self, sizes: Sizes) -> None:
+        """Lay out the table of values and map all variables to it, unless that was done for the same sizes."""
+        if sizes == self._sizes:
+            return
+        self._layout = layout_of(self._system, sizes)
+        self._values = np.zeros(self._layout.size)
+        for name, instance in self._instances.items():
+            instance.map_variables(self._values, self._layout.mappings[name])
+        order = {name: self._instances[name] for name in self._system.order}
+        graph = self._system.dependencies("initialization")
+        self._initialization = Initialization(order, self._layout.mappings, self._values, self._layout.names, graph)
+        self._sizes, self._preparation = sizes, None
 
     def _free(self) -> None:
         """Free what was loaded; messages of the FMUs meanwhile join the warnings of the last run."""
@@ -188,13 +213,15 @@ class Session:
             What :meth:`RunOptions.check` returned for this session's system, where it was called already.
         """
         checked = self._checked = checked or options.check(self._system, self._checked)
+        with self._calling_fmus():
+            self._lay_out(checked.sizes)
         prepared = self._prepared(options, checked)
         stepper, recorder, clock = prepared.stepper, prepared.recorder, checked.clock
         with self._calling_fmus():
             try:
-                self._initialize(stepper, checked)
+                self._initialize(prepared, checked, options)
             except BaseException as failure:
-                self._terminate(0.0, failure)
+                self._terminate(clock.start_time, failure)
                 raise
             pacer = Pacer(clock) if options.real_time else None
             with recorder.recording(options.keep, options.sinks, self._callback_context):
@@ -207,7 +234,7 @@ class Session:
         self._warnings = [f"{i.name}: {text}" for i in self._instances.values() for text in i.warnings]
         if isinstance(stepper, StdoutMonitor):
             self._warnings += stepper.warnings
-        self._warnings[:0] = self._system.notes(unconnected=checked.unconnected)
+        self._warnings[:0] = [*checked.notes, *self._load_notes]
         rows = recorder.recorded()
         return Result(
             time=rows[:, 0],
@@ -231,19 +258,19 @@ class Session:
         system, names = self._system, checked.record
         components = [ScheduledComponent(self._instances[name], checked.decimations[name]) for name in system.order]
         jacobi = (options.algorithm or system.algorithm) == "jacobi"
-        schedule = Schedule(components, jacobi, checked.clock, self._values, self._names)
+        schedule = Schedule(components, jacobi, checked.clock, self._values, self._layout.names)
         recorder = Recorder(
             schedule,
             names,
             units=[system.unit(name) for name in names],
-            discrete=[system.models[ref.component].is_discrete(ref.variable) for ref in map(VariableRef.parse, names)],
+            sampled=[system.is_sampled(system.parse(name)) for name in names],
             every=options.record_every,
         )
         native = self._native_stepper(schedule, recorder) if options.stepper != "python" else None
         if native is None and options.stepper == "c":
             raise SetupError("stepper: expected FMUs that can be called from C, got one in a process of its own")
         stepper: Stepper = native or PythonStepper(schedule, recorder)
-        in_process = [name for name in self._instances if name not in self.isolated]
+        in_process = [name for name, instance in self._instances.items() if isinstance(instance, Instance)]
         if self._capture is not None and in_process:
             stepper = StdoutMonitor(stepper, schedule, recorder, in_process)
         return _Preparation(schedule, recorder, stepper, "c" if native else "python")
@@ -257,18 +284,24 @@ class Session:
         calls = [call for instance in instances if (call := instance.native_calls()) is not None]
         return NativeStepper(schedule, instances, calls, recorder) if len(calls) == len(schedule.components) else None
 
-    def _initialize(self, stepper: Stepper, checked: CheckedRun) -> None:
+    def _initialize(self, prepared: _Preparation, checked: CheckedRun, options: RunOptions) -> None:
         """Initialize all FMUs and exchange initial values along the connections."""
+        clock = checked.clock
         self._values[:] = 0.0
-        stepper.done = 0
-        for instance in self._instances.values():
-            instance.enter_initialization(checked.clock.stop_time, checked.values[instance.name])
+        self._values[len(self._layout.names) :] = self._layout.constant_values(self._system, checked.values)
+        prepared.stepper.begin()
+        for name, instance in self._instances.items():
+            tolerance = instance.model.default_tolerance if options.tolerance is None else options.tolerance
+            stop_time = checked.decimations[name].stop_time(clock)
+            instance.enter_initialization(Experiment(clock.start_time, stop_time, tolerance), checked.values[name])
             check()
-        stepper.initialize()
+        self._initialization.run(clock.start_time)
         for instance in self._instances.values():
             instance.exit_initialization()
             check()
-        stepper.get_outputs()
+        for name in self._system.order:
+            with self._instances[name].calling("initial exchange", clock.start_time):
+                self._instances[name].get_outputs(clock.start_time)
 
     def _step(self, prepared: _Preparation, options: RunOptions, pacer: Pacer | None) -> Exception | None:
         """Step to the end; returns why that was not reached."""

@@ -33,12 +33,12 @@ class StdoutMonitor:
         self._clock = schedule.clock
         self._names = " or ".join(names)
         self._ambiguous = False
-        self._reported: dict[str, str] = {}
+        self._report = ""
 
     @property
     def warnings(self) -> list[str]:
         """What was printed in this run and is not attributed to a component."""
-        return list(self._reported.values())
+        return [self._report] if self._report else []
 
     @property
     def done(self) -> int:
@@ -49,21 +49,11 @@ class StdoutMonitor:
     def done(self, ticks: int) -> None:
         self._stepper.done = ticks
 
-    def initialize(self) -> None:
-        """Exchange initial values along the connections until nothing changes."""
-        self._reported.clear()
+    def begin(self) -> None:
+        """Begin a run."""
+        self._report = ""
         self._ambiguous = self._probe.attributed = False
-        try:
-            self._stepper.initialize()
-        finally:
-            self._collect(0, 0)
-
-    def get_outputs(self) -> None:
-        """Get all outputs."""
-        try:
-            self._stepper.get_outputs()
-        finally:
-            self._collect(0, 0)
+        self._stepper.begin()
 
     def run(self, first: int, last: int) -> None:
         """Step from one tick to another and record."""
@@ -85,14 +75,15 @@ class StdoutMonitor:
         finally:
             self._stepper.done = self._probe.done
             if self._probe.attributed:
-                self._reported.pop("doStep", None)
+                self._report = ""
 
     def _collect(self, first: int, last: int) -> None:
-        """Collect what was printed between two ticks; 0 and 0 stand for the initial exchange."""
+        """Collect what was printed between two ticks."""
         text = printed()
         if not text or self._probe.attributed:
             return
         begin, end = self._clock.time(first), self._clock.time(last)
-        call, when = ("doStep", f"{begin:g} to {end:g}") if last else ("initial exchange", "0")
-        self._reported.setdefault(call, f"{self._names}: printed to stdout in {call} at t = {when} s: {text}")
-        self._ambiguous = last > 0
+        self._report = (
+            self._report or f"{self._names}: printed to stdout in doStep at t = {begin:g} to {end:g} s: {text}"
+        )
+        self._ambiguous = True

@@ -1,9 +1,9 @@
 """Order in which components step, and the delay that each connection gets from it.
 
-A component that steps earlier passes its newest output to those after it. For a *discrete* output, computed from the
-samples of t_k and held, that is the value of t_k: no delay. For a *continuous* one it is the value of the step's end,
-t_(k+1), while the receiver still begins at t_k: one step early. So a sampler steps before the components it feeds, and
-continuous components step after those they feed.
+A component that steps earlier passes its newest output to those after it. By FMI that is the value of the step's end,
+t_(k+1), while the receiver still begins at t_k: one step early. Only of an output that is *sampled*, computed from the
+inputs of t_k and held, it is the value of t_k: no delay. So a sampler steps before the components it feeds, and all
+others step after those they feed.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ class Edge(NamedTuple):
     ----------
     source, sink
         Components.
-    discrete
-        Whether the source's output is discrete.
+    sampled
+        Whether the source's output is a value at the begin of a step.
     """
 
     source: str
     sink: str
-    discrete: bool
+    sampled: bool
 
     @property
     def first(self) -> str:
         """Which component must step first if the value is to be that of t_k."""
-        return self.source if self.discrete else self.sink
+        return self.source if self.sampled else self.sink
 
     @property
     def second(self) -> str:
         """Which component must step second."""
-        return self.sink if self.discrete else self.source
+        return self.sink if self.sampled else self.source
 
 
 def propose(names: Sequence[str], edges: Iterable[Edge]) -> tuple[tuple[str, ...], list[Edge]]:
@@ -81,4 +81,4 @@ def delay(edge: Edge, order: Sequence[str], jacobi: bool) -> int:
         Whether all components exchange values at once, before any steps.
     """
     source_first = not jacobi and order.index(edge.source) < order.index(edge.sink)
-    return (0 if source_first else 1) if edge.discrete else (-1 if source_first else 0)
+    return (0 if source_first else 1) if edge.sampled else (-1 if source_first else 0)

@@ -10,7 +10,10 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from dataclasses import dataclass, field
 
-from cosim.fmi.description import KINDS, NUMERIC, ModelDescription
+from fmpy.model_description import ModelVariable
+
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.elements import owner
 
 _SUFFIX = "_signals"
 
@@ -47,23 +50,23 @@ def selectors(model: ModelDescription) -> Iterator[Selector]:
             yield Selector(variable.name, all_item, inputs)
 
 
-def derived_inputs(name: str, model: ModelDescription, connected: Container[str]) -> set[str]:
-    """Find the inputs that a component derives from another of their group.
+def derived_inputs(model: ModelDescription, connected: Container[str]) -> set[str]:
+    """Find the inputs that an FMU derives from another of their group.
 
     Parameters
     ----------
-    name, model
-        The component.
+    model
+        The FMU.
     connected
-        Connected inputs, as ``component.variable``.
+        Names of the connected inputs.
 
     Returns
     -------
     set of str
-        As ``component.variable``, those that are connected included.
+        Names, those that are connected included.
     """
-    groups = [{f"{name}.{input_}" for input_ in selector.inputs.values()} for selector in selectors(model)]
-    return {ref for group in groups if any(ref in connected for ref in group) for ref in group}
+    groups = [set(selector.inputs.values()) for selector in selectors(model)]
+    return {name for group in groups if any(name in connected for name in group) for name in group}
 
 
 @dataclass
@@ -95,40 +98,45 @@ def resolve_unconnected(
     name, model
         The component.
     connected
-        Connected inputs, as ``component.variable``.
+        Names of the connected inputs.
     given
-        Variables that the user or the system has set, likewise.
+        Names of the variables that the user or the system has set.
     """
     resolved = UnconnectedInputs()
     grouped: set[str] = set()
     for selector in selectors(model):
         grouped |= set(selector.inputs.values())
-        if f"{name}.{selector.parameter}" not in given:
+        if selector.parameter not in given:
             _select(name, selector, connected, given, resolved)
     for variable in model.variables.values():
-        ref = f"{name}.{variable.name}"
-        is_input = variable.causality == "input" and KINDS[variable.type] in NUMERIC
-        if is_input and not (ref in connected or ref in given or variable.name in grouped):
-            value = " ".join(filter(None, [str(variable.start), model.unit(variable)]))
-            resolved.notes.append(f"{ref}: not connected and not set, keeps its start value {value}")
+        known = owner(variable) in connected or owner(variable) in given or variable.name in grouped
+        if variable.causality == "input" and variable.alias is None and not known:
+            resolved.notes.append(f"{name}.{variable.name}: not connected and not set, {_start(model, variable)}")
     return resolved
+
+
+def _start(model: ModelDescription, variable: ModelVariable) -> str:
+    """Say which value an input keeps."""
+    if variable.start is None:
+        return "and has no start value in its description"
+    return f"keeps its start value {' '.join(filter(None, [str(variable.start), model.unit(variable)]))}"
 
 
 def _select(
     name: str, selector: Selector, connected: Container[str], given: Container[str], resolved: UnconnectedInputs
 ) -> None:
     """Select the input of a group that is used, where not all are connected or set."""
-    refs = {item: f"{name}.{input_}" for item, input_ in selector.inputs.items()}
-    available = {item: ref for item, ref in refs.items() if ref in connected or ref in given}
-    if len(available) == len(refs):
+    available = {item: input_ for item, input_ in selector.inputs.items() if input_ in connected or input_ in given}
+    if len(available) == len(selector.inputs):
         return
     if not available:
-        resolved.problems.append(f"{name}: expected one of {', '.join(refs.values())} to be connected, got none")
+        inputs = ", ".join(f"{name}.{input_}" for input_ in selector.inputs.values())
+        resolved.problems.append(f"{name}: expected one of {inputs} to be connected, got none")
         return
     chosen, *others = available
     resolved.parameters[selector.parameter] = chosen
-    ignored = f"; {' and '.join(available[item] for item in others)} is ignored" if others else ""
+    ignored = f"; {' and '.join(f'{name}.{available[item]}' for item in others)} is ignored" if others else ""
     resolved.notes.append(
         f"{name}.{selector.parameter}: set to {chosen}, as not all of its inputs are connected; "
-        f"the others are derived from {available[chosen]}{ignored}"
+        f"the others are derived from {name}.{available[chosen]}{ignored}"
     )

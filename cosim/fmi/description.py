@@ -5,9 +5,11 @@ from __future__ import annotations
 import io
 import math
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import BinaryIO
 
 import fmpy
@@ -16,22 +18,11 @@ from fmpy.model_description import ModelVariable
 
 from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.archive import is_file, leaves, open_archive
+from cosim.fmi.elements import Elements, array_name, find_elements, shape_of, sizes_problems
 from cosim.fmi.repairs import DESCRIPTION, repaired
+from cosim.fmi.unsupported import unsupported
+from cosim.fmi.values import KINDS, NUMERIC, Checked, Scalar, Value, array_of, number, starts
 from cosim.units import Unit
-
-Value = float | bool | str
-"""A parameter's value as a user gives it: enumerations by item name or number."""
-
-
-KINDS = {
-    **dict.fromkeys(("Real", "Float32", "Float64"), "Real"),
-    **dict.fromkeys(("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))), "Integer"),
-    **{kind: kind for kind in ("Enumeration", "Boolean", "String", "Binary", "Clock")},
-}
-"""Type of a variable, in FMI 2 or 3, to the kind of its values."""
-
-NUMERIC = ("Real", "Integer", "Enumeration", "Boolean")
-"""Kinds of values that fit into a table of numbers."""
 
 
 @dataclass(frozen=True)
@@ -48,12 +39,15 @@ class ModelDescription:
         By name, in the description's order.
     member
         Its name in the archive; None for a file of its own.
+    sampled
+        Whether its discrete outputs are values at the begin of a step, see :meth:`is_sampled`.
     """
 
     path: Path
     description: FmpyDescription
     variables: dict[str, ModelVariable]
     member: str | None = None
+    sampled: bool = False
 
     @classmethod
     def read(cls, path: str | Path, member: str | None = None) -> ModelDescription:
@@ -77,9 +71,12 @@ class ModelDescription:
         try:
             opened = _opened(file, member)
             open_archive(opened, path).close()
-            description = fmpy.read_model_description(repaired(opened, str(path / DESCRIPTION)), validate=False)
+            archive, sampled = repaired(opened, str(path / DESCRIPTION))
+            description = fmpy.read_model_description(archive, validate=False)
             platforms = fmpy.supported_platforms(opened)
-            model = cls(file, description, {variable.name: variable for variable in description.modelVariables}, member)
+            variables = {variable.name: variable for variable in description.modelVariables}
+            _mark_aliases(description)
+            model = cls(file, description, variables, member, sampled)
             model._check_numbers()
         except SetupError:
             raise
@@ -97,6 +94,8 @@ class ModelDescription:
             )
         if leaves(identifier := str(description.coSimulation.modelIdentifier)) or "/" in identifier:
             raise SetupError(f"{path}: expected a modelIdentifier that names a file, got {identifier!r}")
+        if problems := unsupported(description):
+            raise SetupError(*(f"{path}: {problem}" for problem in problems))
         if fmpy.platform not in platforms:
             raise SetupError(f"{path}: expected a binary for {fmpy.platform}, got {', '.join(platforms) or 'none'}")
         return model
@@ -110,13 +109,50 @@ class ModelDescription:
             With the variable, if it is one of a variable.
         """
         assert self.defined_units is not None
-        experiment = self.description.defaultExperiment
-        float(experiment.stepSize if experiment is not None and experiment.stepSize else 0.0)
+        for attribute in ("startTime", "stopTime", "stepSize", "tolerance"):
+            self._experiment(attribute)
+        if problems := sizes_problems(self.variables.values(), self.sizes()):
+            raise ValueError("; ".join(problems))
+        assert self.structural is not None
         for variable in self.variables.values():
             try:
                 _check_variable(self, variable)
             except (AttributeError, KeyError, TypeError, ValueError) as error:
                 raise ValueError(f"{variable.name}: {error}") from None
+
+    def _experiment(self, attribute: str) -> float | None:
+        experiment = self.description.defaultExperiment
+        text = getattr(experiment, attribute) if experiment is not None else None
+        return float(text) if text not in (None, "") else None
+
+    @property
+    def default_start_time(self) -> float | None:
+        """Start time of the default experiment, in s."""
+        return self._experiment("startTime")
+
+    @property
+    def default_stop_time(self) -> float | None:
+        """Stop time of the default experiment, in s."""
+        return self._experiment("stopTime")
+
+    @property
+    def default_step_size(self) -> float | None:
+        """Step size of the default experiment, in s; None where it is 0."""
+        return self._experiment("stepSize") or None
+
+    @property
+    def default_tolerance(self) -> float | None:
+        """Tolerance of the default experiment."""
+        return self._experiment("tolerance")
+
+    @property
+    def fixed_step_size(self) -> float | None:
+        """Step size in s of an FMU that cannot handle other step sizes; None where it can, or has none."""
+        interface = self.description.coSimulation
+        if interface.canHandleVariableCommunicationStepSize:
+            return None
+        internal = interface.fixedInternalStepSize
+        return self.default_step_size or (float(internal) if internal else None)
 
     @property
     def where(self) -> Path:
@@ -173,13 +209,26 @@ class ModelDescription:
             )
         return self.variables[name]
 
-    def is_discrete(self, name: str) -> bool:
-        """Whether a variable changes at instants only."""
-        return bool(self.variables[name].variability != "continuous")
+    def has(self, name: str) -> bool:
+        """Whether a name is that of a variable, or of an element of an array of any size."""
+        return name in self.variables or array_name(name) in self.variables
+
+    def is_sampled(self, name: str) -> bool:
+        """Whether an output is computed from the inputs at the begin of a step and held.
+
+        By FMI, a value that is read after doStep(t, h) is the value at t + h. An FMU whose description has the
+        annotation :data:`cosim.fmi.repairs.SAMPLED` says that its discrete outputs are values at t.
+        """
+        return self.sampled and self.variables[name].variability != "continuous"
+
+    def is_relative(self, variable: ModelVariable) -> bool:
+        """Whether a variable is a difference of two quantities, so that units convert it without an offset."""
+        declared = variable.declaredType.relativeQuantity if variable.declaredType else False
+        return bool(variable.relativeQuantity or declared)
 
     def unit(self, variable: ModelVariable) -> str | None:
         """Return the name of a variable's unit, its type's unit where it has none of its own."""
-        return variable.unit or (variable.declaredType.unit if variable.declaredType else None)
+        return variable.unit or (variable.declaredType.unit if variable.declaredType else None) or None
 
     @property
     def defined_units(self) -> list[Unit]:
@@ -204,46 +253,177 @@ class ModelDescription:
         """``min`` and ``max`` of all variables by name."""
         return {name: (self.bound(v, "min"), self.bound(v, "max")) for name, v in self.variables.items()}
 
-    def value(self, component: str, name: str, given: Value) -> float | str:
-        """Check a value for a variable and convert it to what the FMU takes.
+    # ---- elements ----------------------------------------------------------------------------------------------------
+
+    def sizes(self, structural: Mapping[str, float] = MappingProxyType({})) -> dict[int, int]:
+        """Return the sizes that dimensions refer to: values of structural parameters and of constants.
 
         Parameters
         ----------
-        component, name
-            Whose variable; for the message.
-        given
-            Number, Boolean, or text as from a command line; an enumeration's item by name or number.
+        structural
+            Values that differ from the start values, by name.
 
         Returns
         -------
-        float or str
-            Booleans as 0.0 or 1.0, enumerations as their number.
+        dict
+            Value reference to value.
+        """
+        if not structural:
+            return self._start_sizes
+        return {
+            reference: int(structural.get(name, self._start_sizes[reference])) for reference, name in self._size_names
+        }
+
+    @cached_property
+    def _size_names(self) -> list[tuple[int, str]]:
+        """Value reference and name of each variable that a dimension refers to."""
+        referred = {d.valueReference for v in self.variables.values() for d in v.dimensions} - {None}
+        return [(v.valueReference, v.name) for v in self.variables.values() if v.valueReference in referred]
+
+    @cached_property
+    def _start_sizes(self) -> dict[int, int]:
+        return {reference: int(self.variables[name].start or 0) for reference, name in self._size_names}
+
+    @cached_property
+    def structural(self) -> dict[str, float]:
+        """Names of the structural parameters, each with its start value."""
+        found = (v for v in self.variables.values() if v.causality == "structuralParameter")
+        return {variable.name: float(variable.start or 0) for variable in found}
+
+    def structural_value(self, component: str, name: str, given: Value) -> float:
+        """Check the value of a structural parameter.
 
         Raises
         ------
         SetupError
-            If there is no such variable, it may not be set, or the value does not fit it.
+            If it does not fit.
         """
-        variable = self.variable(component, name)
-        where = f"{component}.{name}"
-        settable = variable.causality in ("parameter", "input") or (
-            variable.causality == "local"
+        found = self.value(component, Elements(name, (0,), (), name), given)
+        assert isinstance(found, float)
+        return found
+
+    def elements(self, component: str, name: str, sizes: Mapping[int, int] = MappingProxyType({})) -> Elements:
+        """Find the elements of a name, see :func:`cosim.fmi.elements.find_elements`.
+
+        Parameters
+        ----------
+        component
+            The component's name, for the message.
+        name
+            Of a variable or an element.
+        sizes
+            From :meth:`sizes`.
+
+        Raises
+        ------
+        SetupError
+            If there is no such variable or element, with similar names.
+        """
+        found = find_elements(name, self.variables, sizes)
+        if found is None:
+            array = self.variables.get(array_name(name))
+            if array is not None and array.dimensions:
+                shape = " x ".join(map(str, shape_of(array, sizes)))
+                raise SetupError(f"{component}.{name}: expected an element of {array.name}, which has {shape} elements")
+            self.variable(component, name)
+        assert found is not None
+        return found
+
+    # ---- values ------------------------------------------------------------------------------------------------------
+
+    def value(self, component: str, elements: Elements, given: Value) -> Checked:
+        """Check a value for a variable, or for elements of it, and convert it to what the FMU takes.
+
+        Parameters
+        ----------
+        component
+            The component's name, for messages.
+        elements
+            From :meth:`elements`.
+        given
+            What the user gave.
+
+        Raises
+        ------
+        SetupError
+            If the variable may not be set, or the value does not fit it.
+        """
+        variable = self.variables[elements.variable]
+        where = f"{component}.{elements.alias if elements.is_whole else elements.names[0]}"
+        settable = variable.causality in ("parameter", "structuralParameter", "input") or (
+            variable.causality in ("local", "output")
             and variable.initial in ("exact", "approx")
             and variable.variability != "constant"
         )
         if not settable:
             raise SetupError(f"{where}: expected a parameter or an input, got a {variable.causality}")
-        if variable.type == "String":
+        kind = KINDS[variable.type]
+        if kind not in NUMERIC and (kind != "String" or elements.shape):
+            what = f"array of type {variable.type}" if elements.shape else f"value of type {variable.type}"
+            raise SetupError(f"{where}: expected a type that can be set, got {what}, which is not supported")
+        if kind == "String":
             return str(given)
-        number = _number(variable, where, given)
-        low, high = self.bounds[name]
-        if not math.isfinite(number):
+        if not elements.shape:
+            if not isinstance(given, float | int | bool | str):
+                raise SetupError(f"{where}: expected one value, got {given}")
+            return self._checked(variable, where, given)
+        shape = elements.shape if elements.is_whole else (1,)
+        values = array_of(where, shape, given)
+        return tuple(
+            self._checked(variable, f"{component}.{name}", value)
+            for name, value in zip(elements.names, values, strict=True)
+        )
+
+    def whole_array(
+        self, component: str, name: str, given: Mapping[int, float], sizes: Mapping[int, int]
+    ) -> tuple[float, ...]:
+        """Complete the values of an array by the start values.
+
+        Parameters
+        ----------
+        component, name
+            The component's name, for messages, and the array's.
+        given
+            Place in the flattened array to value.
+        sizes
+            From :meth:`sizes`.
+
+        Raises
+        ------
+        SetupError
+            If elements are missing that have no start values.
+        """
+        elements = self.elements(component, name, sizes)
+        start = starts(self.variables[elements.variable], len(elements.places))
+        missing = [own for place, own in zip(elements.places, elements.names, strict=True) if place not in given]
+        if start is None and missing:
+            raise SetupError(
+                f"{component}.{name}: expected values of all {len(elements.places)} elements, as the description has "
+                f"none for its size, got none of {missing[0]}"
+            )
+        return tuple(given[place] if start is None else given.get(place, start[place]) for place in elements.places)
+
+    def _checked(self, variable: ModelVariable, where: str, given: Scalar) -> float:
+        """Check one number against type and bounds."""
+        found = number(variable, where, given)
+        low, high = self.bounds[variable.name]
+        if not math.isfinite(found):
             raise SetupError(f"{where}: expected a finite number, got {given}")
-        if (low is not None and number < low) or (high is not None and number > high):
+        if (low is not None and found < low) or (high is not None and found > high):
             unit = f" {self.unit(variable)}" if self.unit(variable) else ""
             bounds = f"[{'-inf' if low is None else f'{low:g}'}, {'inf' if high is None else f'{high:g}'}]"
             raise SetupError(f"{where}: expected a value in {bounds}{unit}, got {given}")
-        return number
+        return found
+
+
+def _mark_aliases(description: FmpyDescription) -> None:
+    """Mark inputs of FMI 2 that share a value reference as aliases of the first of them, as fmpy does for FMI 3."""
+    if description.fmiMajorVersion == 2:
+        owners: dict[tuple[str, int], ModelVariable] = {}
+        for variable in description.modelVariables:
+            if variable.causality == "input":
+                owner = owners.setdefault((variable.type, variable.valueReference), variable)
+                variable.alias = owner if owner is not variable else None
 
 
 def _inside(path: Path, member: str | None) -> Path:
@@ -270,29 +450,3 @@ def _check_variable(model: ModelDescription, variable: ModelVariable) -> None:
             raise ValueError("expected an enumeration of named items")
     if not 0 <= int(variable.valueReference) < 2**32:
         raise ValueError(f"expected a value reference below 2^32, got {variable.valueReference}")
-
-
-def _number(variable: ModelVariable, where: str, given: Value) -> float:
-    """Convert a value to a number as the variable's type asks."""
-    if type(given) in (float, int) and KINDS[variable.type] == "Real":
-        try:
-            return float(given)
-        except OverflowError:
-            return math.inf  # or the other, which is not finite either
-    text = str(given).strip()
-    if variable.type == "Boolean":
-        truths = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}
-        if text.lower() not in truths:
-            raise SetupError(f"{where}: expected true or false, got {given}")
-        return truths[text.lower()]
-    items = {i.name: float(i.value) for i in variable.declaredType.items} if variable.type == "Enumeration" else {}
-    if text in items:
-        return items[text]
-    expected = f"one of {', '.join(items)}" if items else "a number"
-    try:
-        number = float(text)
-    except ValueError:
-        raise SetupError(f"{where}: expected {expected}, got {given}") from None
-    if (items and number not in items.values()) or (KINDS[variable.type] == "Integer" and not number.is_integer()):
-        raise SetupError(f"{where}: expected {expected if items else 'a whole number'}, got {given}")
-    return number

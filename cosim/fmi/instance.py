@@ -10,21 +10,39 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, chdir, suppress
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.model_description import ModelVariable
 
 from cosim.errors import RunError
-from cosim.fmi.access import AccessCall, NativeCalls, VariableAccess
+from cosim.fmi.access import AccessCall, NativeCalls, VariableAccess, VariableMapping
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.messages import WARNING, MessageLog
 from cosim.fmi.output_capture import printed
-from cosim.units import IDENTITY, Linear
+from cosim.fmi.values import EVERYTHING, Checked, may_be_inexact
+from cosim.units import IDENTITY
 
-_DISCARD, _ERROR, _FATAL = 2, 3, 4
+_DISCARD, _ERROR, _FATAL, _PENDING = 2, 3, 4, 5
+_MOST_SETTERS = 16  # runs that set the same variables use the same calls
 _STATUS = dict(enumerate(("ok", "warning", "discard", "error", "fatal", "pending")))
+
+
+class Experiment(NamedTuple):
+    """Times and tolerance of a run, as an FMU gets them.
+
+    Attributes
+    ----------
+    start_time, stop_time
+        In s.
+    tolerance
+        Relative tolerance; None where there is none.
+    """
+
+    start_time: float
+    stop_time: float
+    tolerance: float | None = None
 
 
 class Instance(ABC):
@@ -83,8 +101,10 @@ class Instance(ABC):
         self._values = np.zeros(0)
         self._inputs: list[VariableAccess] = []
         self._outputs: list[VariableAccess] = []
-        self._setters: dict[tuple[str, ...], list[tuple[AccessCall, list[str]]]] = {}
-        self._texts: list[str] = []
+        self._mapping = VariableMapping()
+        self._partial: dict[Any, tuple[list[VariableAccess], list[VariableAccess]]] = {}
+        self._setters: dict[Any, list[tuple[AccessCall, list[str]]]] = {}
+        self._functions: dict[str, tuple[str, Any]] = {}
         self._initialized = False  # so that it must be reset before another run
         self._running = False  # so that it must be terminated
         self._fatal = False
@@ -99,8 +119,7 @@ class Instance(ABC):
                     unzipDirectory=str(folder),
                     instanceName=name,
                 )
-                names = {name: self.PREFIX + name for name in self.FUNCTIONS}
-                self._functions = {name: (full, getattr(self.fmu.dll, full)) for name, full in names.items()}
+                self._load_functions(self.FUNCTIONS)
             with self.calling("instantiate"):
                 self._instantiate()
         except BaseException:
@@ -114,8 +133,8 @@ class Instance(ABC):
         """Instantiate, with messages going to the log."""
 
     @abstractmethod
-    def _set_up(self, stop_time: float, values: Mapping[str, float | str]) -> None:
-        """Set values and enter the initialization of a run from 0 to ``stop_time``, in s."""
+    def _set_up(self, experiment: Experiment, values: Mapping[str, Checked]) -> None:
+        """Set values and enter the initialization of a run."""
 
     @abstractmethod
     def do_step(self, time: float, step_size: float) -> None:
@@ -133,6 +152,11 @@ class Instance(ABC):
     def _requests_termination(self) -> bool:
         """Whether the FMU discarded a step because it requests the end of the run."""
         return False
+
+    def _load_functions(self, functions: Iterable[str]) -> None:
+        """Look up functions of the FMU that are called directly, by their names without prefix."""
+        names = {name: self.PREFIX + name for name in functions}
+        self._functions |= {name: (full, getattr(self.fmu.dll, full)) for name, full in names.items()}
 
     # ---- messages and failures ---------------------------------------------------------------------------------------
 
@@ -195,6 +219,11 @@ class Instance(ABC):
             return error
         status = ""
         if isinstance(error, FMICallException):
+            if error.status == _PENDING:
+                return RunError(
+                    f"{self.name}: {error.function} returned pending at t = {time:g} s: expected a call that is "
+                    "complete when it returns, as asynchronous FMUs are not supported"
+                )
             if error.status == _DISCARD and not self.messages.last_error and self._requests_termination():
                 return self.termination_requested(error.function, time)
             self._running = self._running and error.status < _ERROR  # after an error FMI allows reset and free only
@@ -219,31 +248,24 @@ class Instance(ABC):
 
     # ---- variables ---------------------------------------------------------------------------------------------------
 
-    def map_variables(
-        self,
-        values: np.ndarray[Any, Any],
-        outputs: Mapping[str, int],
-        inputs: Mapping[str, tuple[int, Linear]],
-    ) -> None:
+    def map_variables(self, values: np.ndarray[Any, Any], mapping: VariableMapping) -> None:
         """Map outputs and connected inputs to the table of values.
 
         Parameters
         ----------
         values
-            Values of all components' outputs, float64.
-        outputs
-            Variable name to index in ``values``.
-        inputs
-            Variable name to index in ``values`` and what transforms the value found there.
+            The table, float64.
+        mapping
+            Where the variables are in it.
         """
-        self._values = values
-        mapped = {name: (index, IDENTITY) for name, index in outputs.items()}
+        self._values, self._mapping = values, mapping
+        self._partial.clear()
         self._outputs = [
-            self._access("Get", kind, names, mapped, discrete)
-            for discrete in (False, True)
-            for kind, names in self._by_kind(name for name in mapped if self.model.is_discrete(name) is discrete)
+            self._get_access(kind, names, sampled)
+            for sampled in (False, True)
+            for kind, names in self._by_kind(n for n in mapping.outputs if self.model.is_sampled(n) is sampled)
         ]
-        self._inputs = [self._access("Set", kind, names, inputs) for kind, names in self._by_kind(inputs)]
+        self._inputs = [self._set_access(kind, names) for kind, names in self._by_kind(mapping.inputs)]
 
     def native_calls(self) -> NativeCalls | None:
         """Return what the loop in C needs, or None where it cannot call the FMU."""
@@ -262,41 +284,50 @@ class Instance(ABC):
     def _kind(self, variable: ModelVariable) -> str:
         return self.ACCESS.get(variable.type, str(variable.type))
 
-    def _access(
-        self,
-        direction: str,
-        kind: str,
-        names: Sequence[str],
-        mapped: Mapping[str, tuple[int, Linear]],
-        discrete: bool = False,
-    ) -> VariableAccess:
-        index = np.array([mapped[name][0] for name in names], dtype=np.int64)
-        transformations = [mapped[name][1] for name in names]
-        identical = all(transformation == IDENTITY for transformation in transformations)
-        begin, end = int(index[0]), int(index[0]) + len(index)
-        direct = direction == "Get" and self.C_TYPES[kind] is ctypes.c_double and index.tolist() == [*range(begin, end)]
+    def _get_access(self, kind: str, names: Sequence[str], sampled: bool = False) -> VariableAccess:
+        entries = [entry for name in names for entry in self._mapping.outputs[name]]
+        index = np.array([entry.index for entry in entries], dtype=np.int64)
+        begin, end = int(index[0]) if len(index) else 0, int(index[0]) + len(index) if len(index) else 0
+        direct = self.C_TYPES[kind] is ctypes.c_double and index.tolist() == [*range(begin, end)]
+        inexact = any(may_be_inexact(self.model.variables[name]) for name in names)
         return VariableAccess(
-            call=self._access_call(direction, kind, names, self._values[begin:end] if direct else None),
+            call=self._access_call("Get", kind, names, len(index), self._values[begin:end] if direct else None),
+            names=[f"{self.name}.{entry.name}" for entry in entries],
             index=index,
-            factors=None if identical else np.array([t.factor for t in transformations]),
-            offsets=None if identical else np.array([t.offset for t in transformations]),
-            discrete=discrete,
+            connected=np.array([entry.connected for entry in entries]) if inexact else None,
+            sampled=sampled,
             direct=direct,
         )
 
+    def _set_access(self, kind: str, names: Sequence[str]) -> VariableAccess:
+        entries = [entry for name in names for entry in self._mapping.inputs[name]]
+        transformations = [entry.transformation for entry in entries]
+        identical = all(transformation == IDENTITY for transformation in transformations)
+        ranges = [entry.range for entry in entries]
+        low, high = np.array([r or EVERYTHING for r in ranges]).reshape(-1, 2).T.copy() if any(ranges) else (None, None)
+        return VariableAccess(
+            call=self._access_call("Set", kind, names, len(entries)),
+            names=[f"{self.name}.{entry.name}" for entry in entries],
+            index=np.array([entry.index for entry in entries], dtype=np.int64),
+            factors=None if identical else np.array([t.factor for t in transformations]),
+            offsets=None if identical else np.array([t.offset for t in transformations]),
+            low=low,
+            high=high,
+        )
+
     def _access_call(
-        self, direction: str, kind: str, names: Sequence[str], buffer: np.ndarray[Any, Any] | None = None
+        self, direction: str, kind: str, names: Sequence[str], count: int, buffer: np.ndarray[Any, Any] | None = None
     ) -> AccessCall:
         if buffer is None:
-            buffer = np.zeros(len(names), dtype=np.dtype(self.C_TYPES[kind]))
+            buffer = np.zeros(count, dtype=np.dtype(self.C_TYPES[kind]))
         references = (ctypes.c_uint * len(names))(*(self.model.variables[name].valueReference for name in names))
         pointer = buffer.ctypes.data_as(ctypes.POINTER(self.C_TYPES[kind]))
         function = f"{self.PREFIX}{direction}{kind}"
-        arguments = self._arguments(references, len(names), pointer)
+        arguments = self._arguments(references, len(names), pointer, count)
         return AccessCall(function, getattr(self.fmu.dll, function), arguments, references, buffer)
 
-    def _arguments(self, references: Any, count: int, pointer: Any) -> tuple[Any, ...]:
-        """Order the arguments of a getter or setter."""
+    def _arguments(self, references: Any, count: int, pointer: Any, value_count: int) -> tuple[Any, ...]:
+        """Order the arguments of a getter or setter of ``count`` variables with ``value_count`` elements."""
         return (self.fmu.component, references, count, pointer)
 
     def _move(self, access: AccessCall) -> None:
@@ -309,36 +340,82 @@ class Instance(ABC):
         """Set all connected inputs from the table of values, at a time in s."""
         self.messages.time = time
         for access in self._inputs:
-            values = self._values[access.index]
-            access.call.buffer[:] = values if access.factors is None else access.factors * values + access.offsets
-            self._move(access.call)
+            self._set_from_table(access)
 
-    def get_outputs(self, time: float, discrete: bool | None = None) -> None:
+    def _set_from_table(self, access: VariableAccess) -> None:
+        if (outside := access.fill_buffer(self._values)) is not None:
+            raise self.unfit(access, outside, self.messages.time)
+        self._move(access.call)
+
+    def get_outputs(self, time: float, sampled: bool | None = None) -> None:
         """Get outputs into the table of values.
 
         Parameters
         ----------
         time
             Simulated time, in s.
-        discrete
-            True for those that are discrete, False for those that are not, None for all.
+        sampled
+            True for those at the begin of a step, False for the others, None for all.
         """
         self.messages.time = time
         for access in self._outputs:
-            if discrete is None or access.discrete is discrete:
-                self._move(access.call)
-                if not access.direct:
-                    self._values[access.index] = access.call.buffer
+            if sampled is None or access.sampled is sampled:
+                self._get_into_table(access)
+
+    def _get_into_table(self, access: VariableAccess) -> None:
+        self._move(access.call)
+        for element in access.empty_buffer(self._values):
+            self.inexact(access, element, self.messages.time)
+
+    def exchange(self, time: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        """Set some connected inputs from the table of values, then get some outputs into it.
+
+        Parameters
+        ----------
+        time
+            Simulated time, in s.
+        inputs, outputs
+            Names of variables.
+        """
+        self.messages.time = time
+        key = tuple(inputs), tuple(outputs)
+        if key not in self._partial:  # the next run exchanges the same ones
+            self._partial[key] = (
+                [self._set_access(kind, names) for kind, names in self._by_kind(inputs)],
+                [self._get_access(kind, names) for kind, names in self._by_kind(outputs)],
+            )
+        for access in self._partial[key][0]:
+            self._set_from_table(access)
+        for access in self._partial[key][1]:
+            self._get_into_table(access)
+
+    def unfit(self, access: VariableAccess, element: int, time: float) -> RunError:
+        """Describe a value for an element of an access that does not fit its type, at a time in s."""
+        return RunError(f"{access.problem(element, self._values)} at t = {time:g} s")
+
+    def inexact(self, access: VariableAccess, element: int, time: float) -> None:
+        """Refuse a value that is not exact in the table where it is connected, note it where it is recorded only.
+
+        Raises
+        ------
+        RunError
+            If a connection takes it.
+        """
+        assert access.connected is not None
+        if access.connected[element]:
+            raise self.unfit(access, element, time)
+        name = access.names[element].removeprefix(f"{self.name}.")
+        self.messages.rounded(access.call.name, time, f"{name}: values above 2^53 are rounded in the results")
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
 
-    def enter_initialization(self, stop_time: float, values: Mapping[str, float | str]) -> None:
+    def enter_initialization(self, experiment: Experiment, values: Mapping[str, Checked]) -> None:
         """Enter the initialization of a run, after a reset where there was one before.
 
         Parameters
         ----------
-        stop_time
-            End of the run, in s.
+        experiment
+            Times and tolerance of the run.
         values
             Checked parameters and start values by variable name.
 
@@ -349,12 +426,12 @@ class Instance(ABC):
         """
         if self._fatal:
             raise RunError(f"{self.name}: expected an FMU that can run again, got one that failed fatally")
-        with self.calling("initialisation"):
+        with self.calling("initialisation", experiment.start_time):
             if self._initialized:
                 self.messages.clear()
                 self._call("Reset")
             self._initialized = True
-            self._set_up(stop_time, values)
+            self._set_up(experiment, values)
 
     def _call(self, function: str, *arguments: Any) -> None:
         """Call a function of the FMU whose first argument is the instance."""
@@ -363,19 +440,28 @@ class Instance(ABC):
         if status := call(self.fmu.component, *arguments):
             self._check_status(status, name)
 
-    def _set(self, values: Mapping[str, float | str]) -> None:
+    def _set(self, values: Mapping[str, Checked]) -> None:
         """Set variables by name."""
-        names = tuple(values)
-        if names not in self._setters:  # the next run sets the same ones, as a rule
-            self._setters = {names: [(self._access_call("Set", *found), found[1]) for found in self._by_kind(names)]}
-            self._texts = [name for name in names if self._kind(self.model.variables[name]) not in self.C_TYPES]
-        for access, found in self._setters[names]:
-            for i, name in enumerate(found):
-                access.buffer[i] = values[name]
+        key = tuple((name, len(value) if isinstance(value, tuple) else 1) for name, value in values.items())
+        if key not in self._setters:
+            self._setters[key] = self._setter_calls(dict(key))
+        for access, names in self._setters[key]:
+            elements = [values[name] for name in names]
+            access.buffer[:] = np.hstack(elements) if any(isinstance(e, tuple) for e in elements) else elements
             self._move(access)
-        for name in self._texts:
-            variable = self.model.variables[name]
-            getattr(self.fmu, f"set{variable.type}")([variable.valueReference], [values[name]])
+        for name, value in values.items():
+            if isinstance(value, str):
+                variable = self.model.variables[name]
+                getattr(self.fmu, f"set{variable.type}")([variable.valueReference], [value])
+
+    def _setter_calls(self, sizes: Mapping[str, int]) -> list[tuple[AccessCall, list[str]]]:
+        """Make the calls that set some variables of given sizes."""
+        if len(self._setters) >= _MOST_SETTERS:
+            self._setters.clear()
+        return [
+            (self._access_call("Set", kind, names, sum(sizes[name] for name in names)), names)
+            for kind, names in self._by_kind(sizes)
+        ]
 
     def exit_initialization(self) -> None:
         """Exit the initialization.

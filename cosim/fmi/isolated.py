@@ -11,19 +11,22 @@ from __future__ import annotations
 import os
 import pickle
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cosim.errors import RunError, SetupError
+from cosim.fmi.access import VariableMapping
 from cosim.fmi.child_process import ChildProcess
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance
+from cosim.fmi.instance import Experiment, Instance
+from cosim.fmi.values import Checked
 from cosim.fmi.worker import VALUES, Answer
-from cosim.units import Linear
 
 TIME_LIMIT = 10.0
 """Default of how long a call of an isolated FMU may take, in s."""
@@ -74,11 +77,14 @@ class IsolatedInstance:
         self._time_limit = time_limit
         self._ended = False
         self._fresh = False  # whether the outputs are those of the inputs and the time
+        self._noted = False  # whether there are inputs to set with the next exchange
         self._time = 0.0
         self._request = np.zeros(2)  # time, step size, inputs
         self._outputs = np.zeros(0)
         self._values = np.zeros(0)
+        self._mapping = VariableMapping()
         self._sources = np.zeros(0, dtype=int)
+        self._outputs_at: dict[str, list[int]] = {}
         self._targets: dict[bool | None, tuple[Any, Any]] = {}
         self._process = ChildProcess("cosim.fmi.worker", discard_output=True)
         try:
@@ -150,12 +156,7 @@ class IsolatedInstance:
 
     # ---- variables ---------------------------------------------------------------------------------------------------
 
-    def map_variables(
-        self,
-        values: np.ndarray[Any, Any],
-        outputs: Mapping[str, int],
-        inputs: Mapping[str, tuple[int, Linear]],
-    ) -> None:
+    def map_variables(self, values: np.ndarray[Any, Any], mapping: VariableMapping) -> None:
         """Map outputs and connected inputs to the table of values.
 
         The process has a table of its own: the values its inputs are made of, then its outputs.
@@ -163,22 +164,29 @@ class IsolatedInstance:
         Parameters
         ----------
         values
-            Values of all components' outputs, float64.
-        outputs
-            Variable name to index in ``values``.
-        inputs
-            Variable name to index in ``values`` and what transforms the value found there.
+            The table, float64.
+        mapping
+            Where the variables are in it.
         """
         self._values = values
-        self._sources = np.array([index for index, _ in inputs.values()], dtype=int)
-        index, discrete = np.array(list(outputs.values()), dtype=int), [*map(self.model.is_discrete, outputs)]
+        sources = [entry.index for entries in mapping.inputs.values() for entry in entries]
+        outputs = [entry.index for entries in mapping.outputs.values() for entry in entries]
+        sampled = [self.model.is_sampled(name) for name, entries in mapping.outputs.items() for _ in entries]
+        self._sources, index = np.array(sources, dtype=int), np.array(outputs, dtype=int)
         for which in (None, False, True):
-            chosen = np.array([which in (None, d) for d in discrete], dtype=bool)
+            chosen = np.array([which in (None, each) for each in sampled], dtype=bool)
             self._targets[which] = index[chosen], np.flatnonzero(chosen)
-        self._request = np.zeros(2 + len(inputs))
-        their_outputs = {name: len(inputs) + i for i, name in enumerate(outputs)}
-        their_inputs = {name: (i, transformation) for i, (name, (_, transformation)) in enumerate(inputs.items())}
-        self._call("map variables", 0.0, ("map_variables", their_outputs, their_inputs))
+        self._request = np.zeros(2 + len(sources))
+        places = count()
+        theirs = VariableMapping(
+            inputs={n: [replace(e, index=next(places)) for e in entries] for n, entries in mapping.inputs.items()},
+            outputs={n: [replace(e, index=next(places)) for e in entries] for n, entries in mapping.outputs.items()},
+        )
+        self._outputs_at = {
+            name: [entry.index - len(sources) for entry in entries] for name, entries in theirs.outputs.items()
+        }
+        self._mapping = mapping
+        self._call("map variables", 0.0, ("map_variables", theirs))
 
     def native_calls(self) -> None:
         """Return None: the loop in C cannot call functions of another process."""
@@ -186,42 +194,59 @@ class IsolatedInstance:
     def set_inputs(self, time: float) -> None:
         """Note the values of all connected inputs for the next call."""
         self._request[2:] = self._values[self._sources]
-        self._fresh = False
+        self._fresh, self._noted = False, True
 
-    def get_outputs(self, time: float, discrete: bool | None = None) -> None:
+    def get_outputs(self, time: float, sampled: bool | None = None) -> None:
         """Get outputs into the table of values.
 
         Parameters
         ----------
         time
             Simulated time, in s.
-        discrete
-            True for those that are discrete, False for those that are not, None for all.
+        sampled
+            True for those at the begin of a step, False for the others, None for all.
         """
         if not self._fresh:
-            self._request[:2] = time, 0.0
-            self._exchange("initial exchange", time, VALUES + self._request.tobytes(), self._time_limit)
+            self.exchange(time, list(self._mapping.inputs) if self._noted else (), list(self._outputs_at))
             self._fresh = True
-        index, chosen = self._targets[discrete]
+        index, chosen = self._targets[sampled]
         self._values[index] = self._outputs[chosen]
+
+    def exchange(self, time: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        """Set some connected inputs from the table of values, then get some outputs into it.
+
+        Parameters
+        ----------
+        time
+            Simulated time, in s.
+        inputs, outputs
+            Names of variables.
+        """
+        values = self._values[self._sources].tobytes()
+        self._noted = False
+        self._call("initial exchange", time, ("exchange", time, tuple(inputs), tuple(outputs), values))
+        for name in outputs:
+            for entry, place in zip(self._mapping.outputs[name], self._outputs_at[name], strict=True):
+                self._values[entry.index] = self._outputs[place]
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
 
-    def enter_initialization(self, stop_time: float, values: Mapping[str, float | str]) -> None:
+    def enter_initialization(self, experiment: Experiment, values: Mapping[str, Checked]) -> None:
         """Enter the initialization of a run.
 
         Parameters
         ----------
-        stop_time
-            End of the run, in s.
+        experiment
+            Times and tolerance of the run.
         values
             Checked parameters and start values by variable name.
         """
-        self._call("initialisation", 0.0, ("enter_initialization", stop_time, dict(values)))
+        self._time = experiment.start_time
+        self._call("initialisation", self._time, ("enter_initialization", experiment, dict(values)))
 
     def exit_initialization(self) -> None:
         """Exit the initialization."""
-        self._call("initialisation", 0.0, ("exit_initialization",))
+        self._call("initialisation", self._time, ("exit_initialization",))
 
     def do_step(self, time: float, step_size: float) -> None:
         """Step with the inputs noted last.
@@ -233,7 +258,7 @@ class IsolatedInstance:
         """
         self._request[:2] = time, step_size
         self._exchange("doStep", time, VALUES + self._request.tobytes(), self._time_limit)
-        self._fresh = True
+        self._fresh, self._noted = True, False
 
     def step(self, time: float, step_size: float) -> None:
         """Set inputs, step from ``time`` by ``step_size`` (both in s), get outputs."""

@@ -31,8 +31,17 @@ class Message(NamedTuple):
     time: float
 
 
+MOST_RECENT = 1000
+"""How many of the newest messages are kept, whatever their status."""
+
+MOST_WARNINGS = 1000
+"""How many different warnings of a run are kept; the number of the others is reported."""
+
+
 class MessageLog:
-    """The messages of one instance, the newest thousand of a run.
+    """The messages of one instance in a run.
+
+    Warnings and the last error outlive any number of other messages.
 
     Attributes
     ----------
@@ -41,7 +50,7 @@ class MessageLog:
     native_call
         Returns both while the loop in C calls; None otherwise.
     messages
-        The messages.
+        The newest messages of any status.
     length
         How many came since the instance was made.
     """
@@ -51,14 +60,20 @@ class MessageLog:
         self.time = 0.0
         self.native_call: Callable[[], tuple[str, float]] | None = None
         self.length = 0
-        self.messages: deque[Message] = deque(maxlen=1000)
+        self.messages: deque[Message] = deque(maxlen=MOST_RECENT)
         self._reported: set[str] = set()
+        self._warnings: dict[str, Message] = {}
+        self._dropped = 0
+        self._last_warning: tuple[str, float] | None = None
+        self._last_error = ""
 
     def clear(self) -> None:
         """Remove the messages of the run before."""
         if self.messages:
             self.messages.clear()
             self._reported.clear()
+            self._warnings.clear()
+            self._dropped, self._last_warning, self._last_error = 0, None, ""
 
     def add(self, status: int, text: str) -> None:
         """Add a message of the FMU.
@@ -82,11 +97,23 @@ class MessageLog:
         time
             Simulated time, in s.
         """
-        if call in self._reported:
-            return
-        self._reported.add(call)
-        if not any(m.status == WARNING and (m.call, m.time) == (call, time) for m in self.messages):
+        if self._once(call) and self._last_warning != (call, time):
             self._add(WARNING, f"{call} returned a warning", call, time)
+
+    def rounded(self, call: str, time: float, text: str) -> None:
+        """Note that the values of a call were rounded, once a run for each text.
+
+        Parameters
+        ----------
+        call
+            Name of the function.
+        time
+            Simulated time, in s.
+        text
+            What was rounded.
+        """
+        if self._once(text):
+            self._add(WARNING, text, call, time)
 
     def printed(self, call: str, time: float, text: str) -> None:
         """Note what was printed in a call, once a run.
@@ -101,23 +128,37 @@ class MessageLog:
             What was printed.
         """
         what = f"printed to stdout in {call}"
-        if what not in self._reported:
-            self._reported.add(what)
+        if self._once(what):
             self._add(WARNING, f"{what} at t = {time:g} s: {text}", "", time)
 
+    def _once(self, what: str) -> bool:
+        """Whether something is reported for the first time in this run."""
+        known = what in self._reported
+        self._reported.add(what)
+        return not known
+
     def _add(self, status: int, text: str, call: str, time: float) -> None:
-        self.messages.append(Message(status, text, call, time))
+        message = Message(status, text, call, time)
+        self.messages.append(message)
         self.length += 1
+        if status == WARNING:
+            self._last_warning = call, time
+            if text not in self._warnings:
+                if len(self._warnings) < MOST_WARNINGS:
+                    self._warnings[text] = message
+                else:
+                    self._dropped += 1
+        elif status > WARNING:
+            self._last_error = text
 
     @property
     def last_error(self) -> str:
         """The newest message of a status worse than a warning; empty if there is none."""
-        return next((message.text for message in reversed(self.messages) if message.status > WARNING), "")
+        return self._last_error
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings, each text once, with call and time of the first."""
-        found: dict[str, str] = {}
-        for _, text, call, time in (message for message in self.messages if message.status == WARNING):
-            found.setdefault(text, f"{text} ({call}, t = {time:g} s)" if call else text)
-        return list(found.values())
+        """Warnings, each text once, with call and time of the first; in the end how many more there were."""
+        found = [f"{m.text} ({m.call}, t = {m.time:g} s)" if m.call else m.text for m in self._warnings.values()]
+        more = f"{self._dropped} more warnings, which are not kept"
+        return [*found, more] if self._dropped else found

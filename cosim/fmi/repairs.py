@@ -1,10 +1,10 @@
-"""Repairs of descriptions that violate the standard, where the meaning is clear."""
+"""Reading of a description's XML: repairs where the standard is violated and the meaning is clear, and annotations."""
 
 from __future__ import annotations
 
 import io
 import zipfile
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from lxml import etree
 
@@ -12,8 +12,15 @@ from cosim.fmi.xml import parse
 
 DESCRIPTION = "modelDescription.xml"
 
+SAMPLED = "io.github.seat-cosim.sampled"
+"""Vendor annotation of an FMU whose discrete outputs are values at the begin of a step: tool name in FMI 2, annotation
+type in FMI 3."""
 
-def repaired(fmu: str | BinaryIO, where: str) -> str | BinaryIO:
+_BEFORE_THE_ANNOTATION = "seat-cosim 0.1."
+"""Generation tools whose FMUs are sampled and do not say so."""
+
+
+def repaired(fmu: str | BinaryIO, where: str) -> tuple[str | BinaryIO, bool]:
     """Read an FMU's description and repair it.
 
     FMI 2 parameters without a variability become fixed: by the standard they would be continuous, which a parameter
@@ -28,8 +35,10 @@ def repaired(fmu: str | BinaryIO, where: str) -> str | BinaryIO:
 
     Returns
     -------
-    str or BinaryIO
+    archive : str or BinaryIO
         An archive with the repaired description, or the FMU itself if there is nothing to repair.
+    sampled : bool
+        Whether the FMU's discrete outputs are values at the begin of a step.
 
     Raises
     ------
@@ -44,11 +53,17 @@ def repaired(fmu: str | BinaryIO, where: str) -> str | BinaryIO:
         if variable.get("causality") in ("parameter", "calculatedParameter") and variable.get("variability") is None
     ]
     if not found:
-        return fmu
+        return fmu, _is_sampled(tree)
     for variable in found:
         variable.set("variability", "fixed")
     copy = io.BytesIO()
     with zipfile.ZipFile(copy, "w") as archive:
         archive.writestr(DESCRIPTION, etree.tostring(tree))
     copy.seek(0)
-    return copy
+    return copy, _is_sampled(tree)
+
+
+def _is_sampled(tree: Any) -> bool:
+    tools = [tool.get("name") for tool in tree.iterfind("VendorAnnotations/Tool")]
+    annotations = [annotation.get("type") for annotation in tree.iterfind("Annotations/Annotation")]
+    return SAMPLED in (*tools, *annotations) or str(tree.get("generationTool")).startswith(_BEFORE_THE_ANNOTATION)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import CosimError
+from cosim.fmi.access import VariableMapping
 from cosim.fmi.child_process import parent_connection
 from cosim.fmi.instance import Instance
 from cosim.fmi.output_capture import OutputCapture
@@ -66,7 +67,7 @@ class Worker:
         error = None
         try:
             if request.startswith(VALUES):
-                self._exchange(np.frombuffer(request, offset=len(VALUES)))
+                self._step(np.frombuffer(request, offset=len(VALUES)))
             else:
                 method, *arguments = pickle.loads(request)
                 self._call(method, arguments)
@@ -84,36 +85,41 @@ class Worker:
         reported, self._reported = self._reported, self._instance.messages.length
         return self._reported > reported
 
-    def _exchange(self, values: np.ndarray[Any, Any]) -> None:
-        """Set inputs, step if the step size is not zero, get outputs."""
+    def _step(self, values: np.ndarray[Any, Any]) -> None:
+        """Set inputs, step, get outputs."""
         assert self._instance is not None
         time, step_size = values[:2].tolist()
         self._inputs[:] = values[2:]
-        call = "doStep" if step_size else "initial exchange"
         try:
-            if step_size:
-                self._instance.step(time, step_size)
-            else:
-                self._instance.set_inputs(time)
-                self._instance.get_outputs(time)
+            self._instance.step(time, step_size)
         except Exception as error:
-            raise self._instance.failure(error, call, time) from error
+            raise self._instance.failure(error, "doStep", time) from error
         finally:
-            self._instance.collect_stdout(call, time)
+            self._instance.collect_stdout("doStep", time)
 
     def _call(self, method: str, arguments: list[Any]) -> None:
         if method == "load":
             self._instance = instantiate(*arguments)
         elif method == "map_variables":
             self._map_variables(*arguments)
+        elif method == "exchange":
+            self._initial_exchange(*arguments)
         else:
             getattr(self._instance, method)(*arguments)
 
-    def _map_variables(self, outputs: dict[str, int], inputs: dict[str, Any]) -> None:
+    def _map_variables(self, mapping: VariableMapping) -> None:
         assert self._instance is not None
-        self._values = np.zeros(len(inputs) + len(outputs))
-        self._inputs, self._outputs = self._values[: len(inputs)], self._values[len(inputs) :]
-        self._instance.map_variables(self._values, outputs, inputs)
+        inputs, outputs = (sum(map(len, each.values())) for each in (mapping.inputs, mapping.outputs))
+        self._values = np.zeros(inputs + outputs)
+        self._inputs, self._outputs = self._values[:inputs], self._values[inputs:]
+        self._instance.map_variables(self._values, mapping)
+
+    def _initial_exchange(self, time: float, inputs: tuple[str, ...], outputs: tuple[str, ...], values: bytes) -> None:
+        """Set some inputs, get some outputs, without a step."""
+        assert self._instance is not None
+        self._inputs[:] = np.frombuffer(values)
+        with self._instance.calling("initial exchange", time):
+            self._instance.exchange(time, inputs, outputs)
 
 
 def serve(connection: Connection) -> None:

@@ -5,9 +5,9 @@ Of bindings at one element the later wins, and what is bound further out wins ov
 
 from __future__ import annotations
 
-from cosim.engine.structure import VariableRef
+from cosim.engine.network import VariableRef
 from cosim.errors import SetupError
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.ssp import ssd, ssv
 from cosim.ssp.connections import Connections
 from cosim.ssp.nodes import Node, Nodes, Path, component_name

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from cosim.engine.structure import VariableRef
+from cosim.engine.network import VariableRef
 from cosim.errors import SetupError, did_you_mean
 from cosim.ssp import ssd
 from cosim.ssp.nodes import GIVES_INSIDE, Node, Nodes, Path, component_name
@@ -130,7 +130,7 @@ class Connections:
     def _as_asked(self, source: Node, sink: Node, total: Linear, suppressed: bool) -> tuple[str, str, Linear, bool]:
         """Tell a mere conversion of units from what was asked for: another FMU may come that has other units."""
         ports = [VariableRef(component_name(end.path), end.connector) for end in (source, sink)]
-        converted = self._nodes.structure.conversion(*ports)
+        converted = self._nodes.structure.conversion(*ports).transformation
         if total == converted and not (suppressed and converted == IDENTITY):
             return str(ports[0]), str(ports[1]), IDENTITY, True
         return str(ports[0]), str(ports[1]), total, converted == IDENTITY and not suppressed

@@ -10,7 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cosim.errors import SetupError
-from cosim.fmi.description import KINDS, ModelDescription, Value
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.values import KINDS, Value
 from cosim.ssp.ssv import Given, Transformation
 from cosim.units import IDENTITY, Linear, Unit, conversion
 
@@ -78,6 +79,7 @@ class Quantity:
             return replace(self, unit=unit)
         if self.kind not in ("Real", "Integer"):
             raise SetupError(f"{where}: expected no linear transformation of a {self.kind}, got one")
+        assert isinstance(self.value, int | float)
         return Quantity("Real", linear(float(self.value)), unit)
 
 
@@ -155,8 +157,9 @@ def set_value(model: ModelDescription, component: str, variable: str, quantity: 
     SetupError
         If there is no such variable, it may not be set, or the value does not fit it.
     """
-    kind = KINDS[model.variable(component, variable).type]
+    elements = model.elements(component, variable, model.sizes())
+    kind = KINDS[model.variables[elements.variable].type]
     if (quantity.kind == "String") != (kind == "String") and (quantity.kind, kind) != ("String", "Enumeration"):
         raise SetupError(f"{component}.{variable}: expected a value of type {kind}, got {quantity.kind}")
-    model.value(component, variable, quantity.value)
+    model.value(component, elements, quantity.value)
     return quantity.value

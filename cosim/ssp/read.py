@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cosim.engine.structure import ALGORITHMS, Structure, VariableRef
+from cosim.engine.structure import ALGORITHMS, Structure
 from cosim.errors import SetupError
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.ssp import ssd, ssv
 from cosim.ssp.bindings import Bindings
 from cosim.ssp.connections import Connections
@@ -95,12 +95,12 @@ def read_parameters(path: str | Path, structure: Structure) -> dict[str, Value]:
     problems: list[str] = []
     for parameter in values.parameters:
         try:
-            port = VariableRef.parse(parameter.name)
-            structure.variable(port)
+            port = structure.parse(parameter.name)
+            variable = structure.variable(port)
             model = structure.models[port.component]
             units = [*(definition.unit for definition in values.units), *model.defined_units]
             quantity = Quantity.of(parameter.given, units, parameter.name)
-            unit = model.defined_unit(model.variable(*port))
+            unit = model.defined_unit(variable)
             found[parameter.name] = set_value(model, *port, quantity.passed(Hop(), unit, parameter.name))
         except SetupError as error:
             problems += [f"{path}: {problem}" for problem in error.problems]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.ssp.xml import BOOLEAN, INTEGER, REAL, attribute, child, children, read_document, tag
 from cosim.units import IDENTITY, Linear, Unit
 

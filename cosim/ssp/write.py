@@ -9,13 +9,15 @@ from urllib.parse import quote
 
 from fmpy.model_description import ModelVariable
 
-from cosim.engine.structure import Connection, Structure, VariableRef
-from cosim.fmi.description import KINDS, ModelDescription, Value
+from cosim.engine.network import Connection, VariableRef
+from cosim.engine.structure import Structure
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.values import KINDS, Value
 from cosim.ssp import ssd, ssv
 from cosim.ssp.nodes import connector_kind
 from cosim.ssp.package import DESCRIPTION
 from cosim.ssp.xml import BOOLEAN, INTEGER, REAL, write_document
-from cosim.units import IDENTITY, Unit, conversion
+from cosim.units import IDENTITY, Unit
 
 
 def package_contents(structure: Structure) -> dict[str, bytes]:
@@ -73,7 +75,7 @@ def parameter_set(
     units: dict[str, Unit] = {}
     written = []
     for key, value in parameters.items():
-        port = VariableRef.parse(key)
+        port = structure.parse(key)
         variable, model = structure.variable(port), structure.models[port.component]
         given, unit = _given(model, port, value), model.defined_unit(variable)
         if given.kind == "Real" and unit is not None:
@@ -146,7 +148,7 @@ def _type(model: ModelDescription, variable: ModelVariable, units: Mapping[str, 
 def _bindings(structure: Structure, component: str) -> tuple[ssd.ParameterBinding, ...]:
     """Bind a component's parameters at the component itself, where all tools look."""
     model = structure.models[component]
-    ports = {VariableRef.parse(name): value for name, value in structure.parameters.items()}
+    ports = {structure.parse(name): value for name, value in structure.parameters.items()}
     given = tuple(
         ssv.Parameter(name=port.variable, given=_given(model, port, value))
         for port, value in ports.items()
@@ -158,13 +160,16 @@ def _bindings(structure: Structure, component: str) -> tuple[ssd.ParameterBindin
 
 def _given(model: ModelDescription, port: VariableRef, value: Value) -> ssv.Given:
     """Write down a parameter's value."""
-    variable = model.variable(*port)
-    kind, checked = KINDS[variable.type], model.value(*port, value)
+    elements = model.elements(*port, model.sizes())
+    variable = model.variables[elements.variable]
+    kind, checked = KINDS[variable.type], model.value(port.component, elements, value)
     if isinstance(checked, str):
         return ssv.Given(kind="String", text=checked)
     if kind == "Enumeration":
+        assert isinstance(checked, float)
         items = {float(item.value): str(item.name) for item in variable.declaredType.items}
         return ssv.Given(kind=kind, text=items[checked])
+    assert isinstance(checked, float)
     codecs = {"Real": REAL, "Integer": INTEGER, "Boolean": BOOLEAN}
     return ssv.Given(kind=kind, text=codecs[kind].write(int(checked) if kind == "Integer" else checked))
 
@@ -172,13 +177,13 @@ def _given(model: ModelDescription, port: VariableRef, value: Value) -> ssv.Give
 def _connection(structure: Structure, sink: VariableRef, feed: Connection) -> ssd.Connection:
     """Write down a connection, its conversion of units as a transformation: not all tools convert units."""
     source = feed.source
-    units = [structure.models[port.component].defined_unit(structure.variable(port)) for port in (source, sink)]
+    units = structure.conversion(source, sink)
     return ssd.Connection(
         start_element=source.component,
         start_connector=source.variable,
         end_element=sink.component,
         end_connector=sink.variable,
-        suppress_unit_conversion=not feed.convert_units or conversion(*units) != IDENTITY,
+        suppress_unit_conversion=not feed.convert_units or units.transformation != IDENTITY,
         transformation=ssv.Transformation.of(feed.transformation),
     )
 

@@ -12,6 +12,7 @@ from typing import Any
 import fmpy.model_description as fmi
 from lxml import etree
 
+from cosim.fmi.repairs import SAMPLED
 from fmus.component import Component, DefaultExperiment
 from fmus.units import dimension
 from fmus.variables import Variable
@@ -169,12 +170,24 @@ def to_xml(description: fmi.ModelDescription) -> bytes:
         _complete_variables(root, description)
     else:
         _complete_source_files(root, description)
+    if any(v.causality == "output" and v.variability == "discrete" for v in description.modelVariables):
+        _declare_sampled(root, description.fmiMajorVersion)
     return _text(root)
 
 
 def _text(root: Any) -> bytes:
     etree.indent(root)
     return bytes(etree.tostring(root, encoding="utf-8", xml_declaration=True, pretty_print=True))
+
+
+def _declare_sampled(root: Any, fmi_version: int) -> None:
+    """Declare that discrete outputs are values at the begin of a step, which FMI has no attribute for."""
+    if fmi_version == 3:
+        etree.SubElement(etree.SubElement(root, "Annotations"), "Annotation", type=SAMPLED)
+    else:
+        annotations = etree.Element("VendorAnnotations")
+        etree.SubElement(annotations, "Tool", name=SAMPLED)
+        root.find("ModelVariables").addprevious(annotations)
 
 
 def _complete_variables(root: Any, description: fmi.ModelDescription) -> None:
@@ -210,7 +223,7 @@ def build_description_xml(description: fmi.ModelDescription, platform_options: s
         element = etree.SubElement(root, "BuildConfiguration", modelIdentifier=configuration.modelIdentifier)
         for files in configuration.sourceFileSets:
             sources = etree.SubElement(
-                element, "SourceFileSet", language=files.language, compilerOptions=platform_options
+                element, "SourceFileSet", language=files.language, compiler="gcc", compilerOptions=platform_options
             )
             for name in files.sourceFiles:
                 etree.SubElement(sources, "SourceFile", name=name)

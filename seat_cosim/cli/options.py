@@ -12,8 +12,8 @@ import click
 from cosim.engine.structure import Structure
 from cosim.errors import SetupError
 from cosim.fmi.archive import is_file
-from cosim.fmi.description import Value
 from cosim.fmi.isolated import TIME_LIMIT
+from cosim.fmi.values import Value
 from cosim.results.formats import FORMATS
 from cosim.ssp import read_parameters
 from plant_models.parameter_sets import NAMES, path

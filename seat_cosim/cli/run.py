@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from cosim.engine.run_options import RunOptions
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.results.result import Result
 from cosim.run_folder import run_to_folder
 from cosim.system import System

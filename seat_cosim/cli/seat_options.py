@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cosim.errors import SetupError
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from fmus import FLAVOURS
 from seat_cosim.scenarios import observer
 

@@ -10,11 +10,10 @@ import click
 from rich.box import SIMPLE
 from rich.table import Table
 
-from cosim.engine.editing import edit, parse_source
+from cosim.engine.editing import edit
 from cosim.engine.run_options import RunOptions
 from cosim.engine.step_order import delay
 from cosim.engine.structure import ALGORITHMS, Algorithm
-from cosim.errors import SetupError
 from cosim.results.result import Result
 from cosim.run_folder import run_to_folder
 from cosim.system import System
@@ -80,7 +79,7 @@ def simulate(
     """
     system = System.load(file)
     replacements = assignments("--replace", replace, "COMPONENT=FILE.fmu")
-    edit(system, replacements, disconnect, [_connection(text) for text in connect])
+    edit(system, replacements, disconnect, connect)
     system.parameters |= parameter_sets(parameter_files, system) | settings_of(settings)
     system.stop_time = system.stop_time if stop_time is None else stop_time
     system.step_size = system.step_size if step_size is None else step_size
@@ -107,14 +106,6 @@ def simulate(
     if how["real_time"]:
         console.print(f"{result.missed_deadlines} deadlines missed, the worst by {result.worst_lateness * 1e3:.1f} ms")
     console.print(f"{len(result.time)} rows and figure in {folder}", soft_wrap=True)
-
-
-def _connection(text: str) -> tuple[str, Any, str]:
-    """Read ``A.x=B.y``."""
-    source, equals, sink = text.rpartition("=")
-    if not (source.strip() and equals and sink.strip()):
-        raise SetupError(f"--connect {text}: expected A.x=B.y, the output first")
-    return *parse_source(source), sink.strip()
 
 
 def _print_exchange(system: System) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.system import System
 from seat_cosim.evaluation.system import EvaluatedSystem, SignalMap
 from seat_cosim.scenarios import control, driver_mass

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cosim.engine.structure import VariableRef
 from cosim.errors import SetupError, did_you_mean
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.system import System
 from cosim.units import IDENTITY, Unit, conversion
 
@@ -120,20 +119,19 @@ class SignalMap:
         parameters = (*self.driver_mass, *self.excitation, self.excitation_class, self.seed, self.travel)
         for name in filter(None, parameters):
             try:
-                system.variable(VariableRef.parse(name))
+                system.variable(system.parse(name))
             except SetupError as error:
                 problems += error.problems
         return list(dict.fromkeys(problems))
 
 
 def _exists(system: System, name: str) -> bool:
-    port = VariableRef.parse(name)
-    return port.component in system.models and port.variable in system.models[port.component].variables
+    return system.has(name)
 
 
 def _unit(system: System, name: str) -> Unit | None:
-    model = system.models[VariableRef.parse(name).component]
-    return model.defined_unit(model.variable(*VariableRef.parse(name)))
+    ref = system.parse(name)
+    return system.models[ref.component].defined_unit(system.variable(ref))
 
 
 @dataclass(frozen=True)
@@ -159,9 +157,9 @@ class EvaluatedSystem:
         """Deflection in m, each way, at which the end stops are met; None where there are none."""
         if self.ports.travel is None:
             return None
-        component, variable = VariableRef.parse(self.ports.travel)
+        component, variable = self.system.parse(self.ports.travel)
         given = self.system.check_parameters({})[component].get(variable, self.system.start(self.ports.travel))
-        return float(given) or None
+        return float(given) or None  # type: ignore[arg-type]  # a number, as its description says
 
     def converted(self, name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         """Convert samples of a signal to SI units; they are taken as they are where theirs is not defined."""

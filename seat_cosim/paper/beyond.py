@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.metrics import peak
 from cosim.results.result import Result
 from seat_cosim.paper.bump_test import Case

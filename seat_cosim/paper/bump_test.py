@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from cosim.engine.run_options import RunOptions
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.metrics import peak, rms
 from cosim.results.result import Result
 from cosim.run_folder import run_to_folder

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.metrics import peak
 from cosim.results.result import Result
 from seat_cosim.paper.finding import Finding, Kind, Row

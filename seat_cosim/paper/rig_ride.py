@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.metrics import peak, psd, rms
 from cosim.metrics.samples import Samples
 from seat_cosim.paper.finding import Finding, Kind, Row, text

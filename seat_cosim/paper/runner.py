@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cosim.engine.session import Session
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from cosim.metrics.samples import Samples
 from cosim.results.result import Result
 from cosim.system import System

@@ -21,6 +21,7 @@ from lxml import etree
 
 from cosim import RunError, System
 from cosim.fmi.description import ModelDescription
+from cosim.fmi.instance import Experiment
 from cosim.fmi.versions import instantiate
 from fmus.component import Component
 from fmus.export import native_fmu as native_build
@@ -303,7 +304,7 @@ def test_a_tuned_mass_takes_effect_at_the_next_sample(native: Path, flavour: str
     for tuned_before in (True, False):
         instance = instantiate("it", model, tmp_path)
         try:
-            instance.enter_initialization(1.0, {"driver_mass": 75.0} if tuned_before else {})
+            instance.enter_initialization(Experiment(0.0, 1.0), {"driver_mass": 75.0} if tuned_before else {})
             instance.exit_initialization()
             instance._set({"driver_mass": 75.0, "suspension_deflection": 0.01, "seat_acceleration": 0.5})
             instance.step(0.0, H)

@@ -14,7 +14,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from cosim.engine.structure import Structure, VariableRef
+from cosim.engine.network import VariableRef
+from cosim.engine.structure import Structure
 from cosim.units import IDENTITY
 
 TOOLS = Path(sys.executable).parent
@@ -46,8 +47,8 @@ def configuration(system: Structure, step_size: float, signals: Sequence[str], s
         "auto_output": False,
         "fmu": [f"{name}.fmu" for name in system.order],
         "link": [[*words(feed.source), *words(sink)] for sink, feed in system.connections.items()],
-        "output": [[*words(VariableRef.parse(signal)), shown_as(signal)] for signal in signals],
-        "start": [[*words(VariableRef.parse(name)), value] for name, value in system.parameters.items()],
+        "output": [[*words(system.parse(signal)), shown_as(signal)] for signal in signals],
+        "start": [[*words(system.parse(name)), value] for name, value in system.parameters.items()],
     }
 
 

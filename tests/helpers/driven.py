@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance
+from cosim.fmi.instance import Experiment, Instance
 from cosim.fmi.versions import instantiate
 
 
@@ -23,7 +23,7 @@ class Driven:
     def begin(self, **parameters: float) -> None:
         """Start anew; an underscore that follows another is a point."""
         values = {name.replace("__", "."): value for name, value in parameters.items()}
-        self._instance.enter_initialization(1000.0, values)
+        self._instance.enter_initialization(Experiment(0.0, 1000.0), values)
         self._instance.exit_initialization()
 
     def end(self) -> None:

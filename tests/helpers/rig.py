@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance
+from cosim.fmi.instance import Experiment, Instance
 from cosim.fmi.versions import instantiate
 from seat_controller_fmu.parameters import SAMPLE_TIME
 
@@ -108,7 +108,7 @@ class Rig:
         """
         for name, instance in self._instances.items():
             own = {key.partition(".")[2]: value for key, value in parameters.items() if key.startswith(f"{name}.")}
-            instance.enter_initialization(len(floor.displacement) * STEP_SIZE, own)
+            instance.enter_initialization(Experiment(0.0, len(floor.displacement) * STEP_SIZE), own)
             instance.exit_initialization()
         seat, controller = self._instances["seat"].fmu, self._instances["controller"].fmu
         port = self._references

@@ -12,7 +12,7 @@ import pytest
 
 from cosim import System
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.instance import Instance
+from cosim.fmi.instance import Experiment, Instance
 from cosim.fmi.versions import instantiate
 from seat_cosim.scenarios import SCENARIOS, seat_suspension
 from tests.helpers.paths import NATIVE
@@ -74,7 +74,7 @@ def test_states_continue_bit_identically(fmus: Path, native: Path, flavour: str,
 
         fmi3 = flavour == "fmi3"
         for instance, given in ((one, values), (other, {"profile": 2.0, "sine.frequency": 7.0})):
-            instance.enter_initialization(10.0, given)
+            instance.enter_initialization(Experiment(0.0, 10.0), given)
             instance.exit_initialization()
         for k in range(300):
             step(one, k)

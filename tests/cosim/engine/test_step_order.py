@@ -10,9 +10,9 @@ from cosim import System
 from cosim.engine.step_order import Edge, delay, propose
 
 LOOP = [
-    Edge("shaker", "seat", discrete=False),
-    Edge("controller", "seat", discrete=True),
-    Edge("seat", "controller", discrete=False),
+    Edge("shaker", "seat", sampled=False),
+    Edge("controller", "seat", sampled=True),
+    Edge("seat", "controller", sampled=False),
 ]
 
 

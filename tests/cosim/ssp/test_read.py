@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cosim import SetupError, System
-from cosim.engine.structure import VariableRef
+from cosim.engine.network import VariableRef
 from cosim.ssp import read_parameters, ssd, ssv
 from cosim.ssp.package import DESCRIPTION
 from cosim.ssp.xml import write_document

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cosim import System
-from cosim.engine.structure import VariableRef
+from cosim.engine.network import VariableRef
 from cosim.units import Linear
 from seat_cosim.scenarios import driver_mass, seat_suspension
 from tests.helpers.files import edited

@@ -30,7 +30,7 @@ from threadpoolctl import threadpool_limits
 
 from cosim import Result
 from cosim.engine.session import Session
-from cosim.fmi.description import Value
+from cosim.fmi.values import Value
 from plant_models.seat.interface import Parameters as Seat
 from seat_controller_fmu.design.gains import preset
 from seat_controller_fmu.design.sampled_loop import delay_margin, loop

@@ -1,0 +1,133 @@
+"""Whether an output can feed an input: types, enumerations, units, and the range of values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from fmpy.model_description import ModelVariable
+
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.values import KINDS, NUMERIC, items_of, value_range
+from cosim.units import IDENTITY, Linear, Unit, conversion, named_unit
+
+_EXACT_AS_FLOAT32 = 2.0**24
+"""Whole numbers up to this magnitude are exact as float32."""
+
+
+@dataclass
+class Compatibility:
+    """How an output can feed an input.
+
+    Attributes
+    ----------
+    transformation
+        From the output's value to the input's: the conversion of units.
+    notes
+        What a user should know.
+    problems
+        What forbids the connection.
+    """
+
+    transformation: Linear = IDENTITY
+    notes: list[str] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+
+
+def check_types(source: ModelVariable, sink: ModelVariable) -> list[str]:
+    """Find what is wrong with the types of two variables.
+
+    Conversions that lose nothing are accepted; SSP leaves them to the tool (SSP 1.0, 5.3.3).
+
+    Parameters
+    ----------
+    source, sink
+        The output and the input.
+    """
+    kinds = KINDS[source.type], KINDS[sink.type]
+    if not set(kinds) <= set(NUMERIC):
+        refused = next(kind for kind in kinds if kind not in NUMERIC)
+        return [
+            f"expected two numeric types, got {source.type} and {sink.type}: {refused} is not supported in connections"
+        ]
+    if not _is_lossless(source, sink):
+        return [f"expected a type that takes {source.type} without loss, got {sink.type}"]
+    if kinds == ("Enumeration", "Enumeration"):
+        items, known = items_of(source), items_of(sink).values()
+        missing = [name for name, value in items.items() if value not in known]
+        if missing:
+            return [f"expected an enumeration with the items {', '.join(items)}, got one without {', '.join(missing)}"]
+    return []
+
+
+def _is_lossless(source: ModelVariable, sink: ModelVariable) -> bool:
+    """Whether a type takes all values of another, but for those that are out of its range or not exact as float64."""
+    kinds = KINDS[source.type], KINDS[sink.type]
+    if kinds[1] == "Real":
+        largest = max(map(abs, value_range(source)))
+        return kinds[0] == "Real" or sink.type != "Float32" or largest <= _EXACT_AS_FLOAT32
+    return kinds[0] == kinds[1] or kinds in (
+        ("Boolean", "Integer"),
+        ("Enumeration", "Integer"),
+        ("Integer", "Enumeration"),
+    )
+
+
+def range_to_check(source: ModelVariable, sink: ModelVariable) -> tuple[float, float] | None:
+    """Return the range in which the values of a connection have to be; None where all of them are.
+
+    Parameters
+    ----------
+    source, sink
+        The output and the input.
+    """
+    (least, most), (low, high) = value_range(source), value_range(sink)
+    return None if low <= least and most <= high else (low, high)
+
+
+def convert_units(
+    source: tuple[ModelDescription, ModelVariable], sink: tuple[ModelDescription, ModelVariable]
+) -> Compatibility:
+    """Find the conversion between the units of two variables.
+
+    Units that an FMU does not define are looked up by their names. Where that fails, values are taken as they are, with
+    a note if the names differ.
+
+    Parameters
+    ----------
+    source, sink
+        The FMU and the variable of each end.
+    """
+    found = Compatibility()
+    names = [model.unit(variable) for model, variable in (source, sink)]
+    if None in names or (names[0] == names[1] and not _differ(source, sink)):
+        return found
+    units = [_unit(model, variable) for model, variable in (source, sink)]
+    text = f"{names[0]} and {names[1]}"
+    unknown = [str(name) for name, unit in zip(names, units, strict=True) if unit is None]
+    if unknown:
+        found.notes.append(f"units {text} are not converted: {' and '.join(unknown)} is not defined and not known")
+        return found
+    relative = [model.is_relative(variable) for model, variable in (source, sink)]
+    converted = conversion(units[0], units[1], relative=all(relative))
+    if converted is None:
+        found.problems.append(f"expected two units of one dimension, got {text}")
+    elif relative[0] != relative[1] and (converted.offset or any(unit.offset for unit in units if unit)):
+        ends = ["a difference" if each else "an absolute value" for each in relative]
+        found.problems.append(
+            f"expected two differences or two absolute values, got {ends[0]} in {names[0]} and {ends[1]}"
+        )
+    else:
+        found.transformation = converted
+    return found
+
+
+def _differ(source: tuple[ModelDescription, ModelVariable], sink: tuple[ModelDescription, ModelVariable]) -> bool:
+    """Whether two FMUs define a unit of the same name differently, or its values are differences at one end only."""
+    defined = [model.defined_unit(variable) for model, variable in (source, sink)]
+    relative = [model.is_relative(variable) for model, variable in (source, sink)]
+    return (None not in defined and defined[0] != defined[1]) or relative[0] != relative[1]
+
+
+def _unit(model: ModelDescription, variable: ModelVariable) -> Unit | None:
+    name = model.unit(variable)
+    return model.defined_unit(variable) or (named_unit(name) if name else None)
