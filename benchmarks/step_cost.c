@@ -59,7 +59,7 @@ static void kernel(double *sum)
         exit(1);
     }
     ModelInputs taken = model_inputs(values);
-    model_initial(&state, &taken, &coefficients, 0.0, &outputs);
+    model_initialize(&state, &taken, &coefficients, 0.0, &outputs);
     for (int round = 0; round < ROUNDS; ++round) {
         const double begin = now();
         for (int k = 0; k < STEPS; ++k) {

@@ -68,7 +68,7 @@ def test_the_walk_notices_a_broken_rule(tmp_path: Path):
     component = COMPONENTS[0]
     program = test_program("fmi2", component, tmp_path)
     rules = (tmp_path / "instance.c").read_text(encoding="utf-8")
-    broken = rules.replace("it->phase != PHASE_STEPPING)", "true)")
+    broken = rules.replace("instance->phase != PHASE_STEPPING)", "true)")
     assert broken != rules
     (tmp_path / "instance.c").write_text(broken, encoding="utf-8")
     sources = ["controller.c", "fmi2.c", "instance.c", "paths.c"]

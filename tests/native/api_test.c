@@ -198,13 +198,13 @@ static void every_variable_can_be_read_and_is_guarded(void)
 
 static void texts_are_kept_and_guarded(void)
 {
-    char longest[LONGEST_TEXT + 2];
+    char longest[MAX_TEXT_SIZE + 2];
     memset(longest, 'x', sizeof longest);
-    longest[LONGEST_TEXT + 1] = '\0';
+    longest[MAX_TEXT_SIZE + 1] = '\0';
     for (uint32_t i = 0; i < VARIABLE_COUNT; ++i) {
         Journal journal = {0};
         const char *text = NULL;
-        char start[LONGEST_TEXT + 1];
+        char start[MAX_TEXT_SIZE + 1];
         void *state = NULL;
         double number;
         if (variables[i].type != TYPE_TEXT) {

@@ -14,7 +14,7 @@ from seat_controller_fmu.controller import (
     Coefficients,
     State,
     advance,
-    initial,
+    initialize,
     mass_range,
     observer_gains,
     prepare,
@@ -29,7 +29,7 @@ h = SAMPLE_TIME.value
 
 def start(parameters: Parameters, time: float = 0.0) -> tuple[State, Coefficients]:
     coefficients = prepare(parameters)
-    return initial(Inputs(), coefficients, time)[0], coefficients
+    return initialize(Inputs(), coefficients, time)[0], coefficients
 
 
 @pytest.mark.parametrize("mass", [45.0, 55.0, 70.0, 80.0])
@@ -155,7 +155,7 @@ def test_small_steps_take_each_sample_once_in_spite_of_rounding():
 
 @pytest.mark.parametrize(("time", "first"), [(0.0, 0), (0.002, 1), (0.003, 2), (3 * 0.1, 150)])
 def test_initialisation_takes_no_sample_and_finds_the_first(time: float, first: int):
-    state, outputs = initial(Inputs(1.0, 0.01), prepare(Parameters()), time)
+    state, outputs = initialize(Inputs(1.0, 0.01), prepare(Parameters()), time)
     assert state.next_sample == first
     assert not any(astuple(outputs))
 

@@ -15,8 +15,8 @@ from scipy.signal import welch
 
 from fmus.export.native_fmu import STANDARDS, source_files
 from plant_models.shaker.interface import Inputs, Outputs, Parameters, Profile, RandomClass
-from plant_models.shaker.noise import BANDS
-from plant_models.shaker.shaker import SHAKER, TICK, advance, initial, prepare
+from plant_models.shaker.noise import SPECTRA
+from plant_models.shaker.shaker import SHAKER, TICK, advance, initialize, prepare
 from tests.helpers.paths import ROOT
 
 
@@ -52,7 +52,7 @@ each = pytest.mark.parametrize("chosen", list(RandomClass), ids=lambda c: c.name
 
 def formula(chosen: RandomClass, f: np.ndarray | float) -> np.ndarray | float:
     """G(f) in (m/s2)2/Hz, from the magnitudes of Butterworth filters."""
-    n, f_h, m, f_l, g = BANDS[chosen]
+    n, f_h, m, f_l, g = SPECTRA[chosen]
     return g * (f / f_h) ** (2 * n) / (1 + (f / f_h) ** (2 * n)) / (1 + (f / f_l) ** (2 * m))
 
 
@@ -134,7 +134,7 @@ def test_200_s_of_each_seed_lie_within_three_sigma(program: Path, chosen: Random
 def run(p: Parameters, ends: np.ndarray, start: float = 0.0) -> np.ndarray:
     """Step to each of some times; rows of displacement, velocity, acceleration, that at the start first."""
     c = prepare(p)
-    state, floor = initial(Inputs(), c, start)
+    state, floor = initialize(Inputs(), c, start)
     rows, time = [floor], start
     for end in ends.tolist():
         state, floor = advance(state, Inputs(), c, time, end - time)
@@ -194,4 +194,4 @@ def test_the_displacement_does_not_drift():
 
 
 def test_the_rest_before_is_rest():
-    assert Outputs() == initial(Inputs(), prepare(random()), 0.001)[1]
+    assert Outputs() == initialize(Inputs(), prepare(random()), 0.001)[1]

@@ -10,7 +10,7 @@ import pytest
 
 from fmus.component import ParameterError
 from plant_models.shaker.interface import Inputs, Outputs, Parameters, Profile, RandomClass, SweepMode
-from plant_models.shaker.shaker import TICK, advance, initial, prepare
+from plant_models.shaker.shaker import TICK, advance, initialize, prepare
 from tests.plant_models.shaker.test_noise import run
 
 
@@ -76,7 +76,7 @@ def test_without_a_bandwidth_there_is_no_platform():
 
 def test_a_platform_that_comes_to_rest_has_no_denormal_states():
     c = prepare(Parameters(platform_bandwidth=10.0))
-    state, _ = initial(Inputs(), c, 0.0)
+    state, _ = initialize(Inputs(), c, 0.0)
     state, _ = advance(state, Inputs(), c, 0.0, 1.0)
     assert state.platform_displacement != 0.0
     state, floor = advance(state, Inputs(), c, 1.0, 4.0)

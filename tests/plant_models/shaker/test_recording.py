@@ -17,8 +17,8 @@ from fmus.export.native_fmu import STANDARDS, source_files
 from plant_models.shaker.example_recording import acceleration, example
 from plant_models.shaker.interface import Outputs
 from plant_models.shaker.profiles import bump
-from plant_models.shaker.recording import FEWEST_ROWS, LONGEST_LINE, MOST_ROWS, read
-from plant_models.shaker.replay import Curve, load, motion
+from plant_models.shaker.recording import MAX_LINE_SIZE, MAX_ROWS, MIN_ROWS, read
+from plant_models.shaker.replay import Spline, load, motion
 from plant_models.shaker.shaker import SHAKER
 from tests.helpers.paths import NATIVE, ROOT
 
@@ -32,7 +32,7 @@ def written(path: Path, quantity: str, t: np.ndarray, x: np.ndarray) -> str:
     return str(path)
 
 
-def sampled(curve: Curve, t: np.ndarray) -> np.ndarray:
+def sampled(curve: Spline, t: np.ndarray) -> np.ndarray:
     """Rows of displacement, velocity, acceleration."""
     motions = [motion(curve, time) for time in t.tolist()]
     return np.array([(m.floor_displacement, m.floor_velocity, m.floor_acceleration) for m in motions])
@@ -168,9 +168,12 @@ WRONG = {
     ),
     "unsorted": (edited(12, "0.05,1"), r"line 12: expected a time above 0.09 s, got 0.05 s"),
     "duplicate": (edited(12, "0.09,1"), r"line 12: expected a time above 0.09 s, got 0.09 s"),
-    "few": (file_of(*ROWS[:5]), f"line 6: expected at least {FEWEST_ROWS} rows, got 5"),
+    "few": (file_of(*ROWS[:5]), f"line 6: expected at least {MIN_ROWS} rows, got 5"),
     "hole": (edited(9, ""), "line 9: expected no empty line but at the end, got one"),
-    "long": (edited(9, "0.07," + "1" * LONGEST_LINE), f"line 9: expected at most {LONGEST_LINE} characters, got more"),
+    "long": (
+        edited(9, "0.07," + "1" * MAX_LINE_SIZE),
+        f"line 9: expected at most {MAX_LINE_SIZE} characters, got more",
+    ),
     "short": (file_of(*ROWS, header="time,acceleration"), "as long as two fades, 1 s, got 0.19 s"),
 }
 
@@ -260,10 +263,8 @@ def test_a_file_that_is_too_large_is_told(tmp_path: Path, in_c: Callable[..., li
     path = tmp_path / "large.csv"
     with path.open("w", encoding="utf-8") as stream:
         stream.write("time,displacement\n")
-        stream.writelines(f"{k},0\n" for k in range(MOST_ROWS + 1))
-    with pytest.raises(
-        ParameterError, match=rf"line {MOST_ROWS + 2}: expected at most {MOST_ROWS} rows, got more"
-    ) as e:
+        stream.writelines(f"{k},0\n" for k in range(MAX_ROWS + 1))
+    with pytest.raises(ParameterError, match=rf"line {MAX_ROWS + 2}: expected at most {MAX_ROWS} rows, got more") as e:
         read(str(path))
     assert in_c([path]) == [str(e.value)]
 
