@@ -198,7 +198,7 @@ class Component:
         ``time + step_size``, both in s. The inputs are those at ``time``, the outputs those at the end of the step.
     is_valid_state
         ``is_valid_state(state, parameters, time) -> bool``: whether a run that has reached ``time``, in s, can have a
-        state whose numbers are all finite. It is called for states that come from outside.
+        state with finite numbers. It is called for states that come from outside.
     warnings
         ``warnings(parameters) -> texts`` about legal parameters that are probably not intended.
     terminals

@@ -10,5 +10,16 @@ MIN_STATE = 1e-30
 
 
 def flush_subnormal(state: float) -> float:
-    """Return a state, or zero if its magnitude is below :data:`MIN_STATE`."""
+    """Set a state of subnormal magnitude to zero.
+
+    Parameters
+    ----------
+    state
+        State, in any unit.
+
+    Returns
+    -------
+    float
+        The state, or 0 if its magnitude is below :data:`MIN_STATE`.
+    """
     return 0.0 if abs(state) < MIN_STATE else state

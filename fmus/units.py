@@ -11,7 +11,13 @@ from typing import NamedTuple
 
 
 class Dimension(NamedTuple):
-    """Exponents of the SI base units in use; all units have factor 1 and offset 0."""
+    """Exponents of the SI base units in use; all units have factor 1 and offset 0.
+
+    Attributes
+    ----------
+    kg, m, s
+        Exponents of kilogram, metre and second.
+    """
 
     kg: int = 0
     m: int = 0

@@ -1,6 +1,6 @@
 """Declaration of the variables of an FMU.
 
-A model declares its interface as dataclasses whose fields are made by :func:`input_`, :func:`output`,
+A model declares its interface as dataclasses with fields from :func:`input_`, :func:`output`,
 :func:`parameter`, :func:`file_parameter` and :func:`constant`. The dataclasses serve the functions of the model as
 typed records, and :func:`variables_of` reads the same fields as FMI variables.
 """
@@ -66,7 +66,7 @@ class VariableDeclaration:
     field
         Name of the field in the dataclass of the model.
     type
-        ``float``, ``int``, ``bool``, an ``IntEnum`` whose members count from 1, or ``str`` for the name of a file.
+        ``float``, ``int``, ``bool``, an ``IntEnum`` with members from 1, or ``str`` for the name of a file.
     causality, variability, initial
         As in FMI, see :data:`LEGAL_COMBINATIONS`.
     description
@@ -352,7 +352,7 @@ def variables_of(record: type) -> tuple[VariableDeclaration, ...]:
     Parameters
     ----------
     record
-        Dataclass whose fields were made by the functions of this module.
+        Dataclass with fields from the functions of this module.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Build of FMUs in all flavours; an FMU whose content has not changed is not built again."""
+"""Build of FMUs in all flavours; an FMU with unchanged content is not built again."""
 
 from __future__ import annotations
 

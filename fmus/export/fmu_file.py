@@ -34,7 +34,18 @@ class BuildResult:
 
 
 def guid_of(path: Path) -> str | None:
-    """Return the GUID of an FMU file, or None if it does not exist or cannot be read."""
+    """Return the GUID of an FMU file.
+
+    Parameters
+    ----------
+    path
+        Path of the FMU.
+
+    Returns
+    -------
+    str or None
+        None if the file does not exist or cannot be read.
+    """
     try:
         return str(fmpy.read_model_description(str(path), validate=False).guid)
     except Exception:  # whatever the reason, it is not the FMU to be built

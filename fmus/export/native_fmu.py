@@ -64,7 +64,18 @@ class TargetPlatform:
     options: tuple[str, ...] = ("-fPIC",)
 
     def folder(self, fmi_version: str) -> str:
-        """Return the name of the folder of binaries in an FMU of version ``"2.0"`` or ``"3.0"``."""
+        """Return the name of the folder of binaries in an FMU.
+
+        Parameters
+        ----------
+        fmi_version
+            ``"2.0"`` or ``"3.0"``.
+
+        Returns
+        -------
+        str
+            Name below ``binaries``.
+        """
         return self.fmi2_folder if fmi_version == "2.0" else self.name
 
 

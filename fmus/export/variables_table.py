@@ -56,13 +56,35 @@ def _line(reference: int, variable: VariableDeclaration) -> str:
 
 
 def table(component: Component) -> str:
-    """Return the variables of a component as a Markdown table."""
+    """Return the variables of a component as a Markdown table.
+
+    Parameters
+    ----------
+    component
+        The component.
+
+    Returns
+    -------
+    str
+        Markdown text.
+    """
     head = f"| {' | '.join(COLUMNS)} |\n" + "|---" * len(COLUMNS) + "|"
     rows = [_line(reference, variable) for reference, variable in enumerate(component.variables)]
     return "\n".join([head, *rows])
 
 
 def page(components: Iterable[Component]) -> str:
-    """Return a Markdown page with a table for each component."""
+    """Return a page with a table for each component.
+
+    Parameters
+    ----------
+    components
+        The components.
+
+    Returns
+    -------
+    str
+        Markdown text.
+    """
     parts = [f"## {c.name}\n\n{c.description}.\n\n{table(c)}\n" for c in components]
     return "\n".join([_HEAD, *parts])

@@ -16,7 +16,7 @@
  *                      ModelOutputs *);
  *       Advances the state over one communication step; the outputs are those at its end.
  *   int model_is_valid_state(const ModelState *, const ModelParameters *, double time);
- *       Whether a run that has reached a time can have this state, whose numbers are finite.
+ *       Whether a run that has reached a time can have this state with finite numbers.
  *
  *   ModelInputs model_inputs(const double values[]);
  *   ModelParameters model_parameters(const double values[], const char *const texts[]);
@@ -53,7 +53,7 @@ typedef enum {
     VARIABILITY_CONTINUOUS
 } Variability;
 
-/* A variable as declared; an enumeration is an integer whose minimum is 1. */
+/* A variable as declared; an enumeration is an integer with the minimum 1. */
 typedef struct {
     const char *name;
     const char *unit; /* empty where there is none */

@@ -77,7 +77,18 @@ class ComponentSlave(Fmi2Slave):
     # ---- description -------------------------------------------------------------------------------------------------
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> ElementTree.Element:
-        """Return the model description of the component; called by pythonfmu's builder only."""
+        """Return the model description of the component; called by pythonfmu's builder only.
+
+        Parameters
+        ----------
+        model_options
+            Not used.
+
+        Returns
+        -------
+        xml.etree.ElementTree.Element
+            Root of the ``modelDescription.xml``.
+        """
         from fmus.export.model_description import model_description, to_xml
 
         description = model_description(

@@ -49,7 +49,7 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
 /* Return a warning about legal parameters: always NULL. */
 const char *seat_plant_warning(const seat_plant_parameters *parameters);
 
-/* Check that a run can have a state whose numbers are finite. */
+/* Check that a run can have a state with finite numbers. */
 int seat_plant_is_valid_state(const seat_plant_state *state, const seat_plant_parameters *parameters, double time);
 
 /* Set the state of rest in static equilibrium; a derived floor starts from the motion in the inputs. */

@@ -4,7 +4,7 @@
     m_b z_b'' = -k_c (z_b - z_s) - c_c (z_b' - z_s')                                                            (2)
     f_r       = alpha z_d                                                                                       (35)
 
-with c_f = 0 for the active prototype, whose damper is removed. Displacements are absolute, from static equilibrium, up
+with c_f = 0 for the active prototype, which has no damper. Displacements are absolute, from static equilibrium, up
 positive. The friction state z_d of (36) is solved in closed form, see friction.py.
 
 Beyond a travel x_e of the deflection x, end stops push back with max(0, k_e (|x| - x_e) + c_e d|x|/dt). The maximum

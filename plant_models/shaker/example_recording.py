@@ -13,7 +13,18 @@ _BIAS = 0.05  # m/s2
 
 
 def acceleration(time: float) -> float:
-    """Return the recorded acceleration in m/s2 at a time in s: two vibrations that fade in and out, and a bias."""
+    """Evaluate the recorded acceleration: two vibrations that fade in and out, and a bias.
+
+    Parameters
+    ----------
+    time
+        Time since the begin of the recording, in s.
+
+    Returns
+    -------
+    float
+        In m/s2.
+    """
     window = math.sin(math.pi * time / _DURATION) ** 2
     return _BIAS + window * sum(a * math.sin(2.0 * math.pi * f * time + phase) for f, a, phase in _VIBRATIONS)
 

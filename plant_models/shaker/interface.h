@@ -15,7 +15,7 @@ typedef struct {
     double floor_displacement, floor_velocity, floor_acceleration;
 } shaker_outputs;
 
-/* Excitation profiles, and the signal whose amplitude a sweep keeps constant. */
+/* Excitation profiles, and the signal of constant amplitude in a sweep. */
 enum { SHAKER_BUMP = 1, SHAKER_SINE, SHAKER_SWEEP, SHAKER_RANDOM, SHAKER_FILE };
 enum { SHAKER_SWEEP_ACCELERATION = 1, SHAKER_SWEEP_DISPLACEMENT };
 

@@ -25,7 +25,7 @@ class Profile(IntEnum):
 
 
 class SweepMode(IntEnum):
-    """Signal whose amplitude is constant over a sweep."""
+    """Signal of constant amplitude in a sweep."""
 
     acceleration = 1
     displacement = 2
@@ -111,7 +111,7 @@ class Parameters:
     )
     sine_amplitude: float = parameter(p.SINE_AMPLITUDE, "Displacement amplitude of the sine", name="sine.amplitude")
     sweep_mode: SweepMode = parameter(
-        SweepMode.acceleration, "Signal whose amplitude the logarithmic sweep keeps constant", name="sweep.mode"
+        SweepMode.acceleration, "Signal of constant amplitude in the logarithmic sweep", name="sweep.mode"
     )
     sweep_start_frequency: float = parameter(
         p.SWEEP_START_FREQUENCY,

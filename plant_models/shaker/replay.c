@@ -16,7 +16,7 @@ static const double memory = 2.0;
 /* Degree of the trend; numbers of arrays in a spline and of working arrays. */
 enum { DEGREE = 3, SPLINE_ARRAYS = 4, SCRATCH_ARRAYS = 6 };
 
-/* Find the second derivatives at the knots of the cubic spline whose slope is zero at both ends. */
+/* Find the second derivatives at the knots of the cubic spline with zero slope at both ends. */
 static void find_curvatures(size_t count, const double x[], const double y[], double curvatures[], double ratios[])
 {
     double above = 0.0, curvature = 0.0, left = 0.0, slope = 0.0;

@@ -49,7 +49,7 @@ class Spline(NamedTuple):
 
 
 def _curvatures(x: list[float], y: list[float]) -> list[float]:
-    """Return the second derivatives at the knots of the cubic spline whose slope is zero at both ends."""
+    """Return the second derivatives at the knots of the cubic spline with zero slope at both ends."""
     last = len(x) - 1
     above = curvature = left = slope = 0.0
     ratios, curvatures = [], []

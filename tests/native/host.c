@@ -40,7 +40,7 @@ static Function find(const char *library, const char *name)
 #endif
 }
 
-static void say(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
+static void log_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                 fmi2String message, ...)
 {
     (void)environment, (void)status, (void)category;
@@ -49,11 +49,11 @@ static void say(fmi2ComponentEnvironment environment, fmi2String name, fmi2Statu
 
 static Fmu start(const char *library, const char *guid)
 {
-    static const fmi2CallbackFunctions callbacks = {say, NULL, NULL, NULL, NULL};
+    static const fmi2CallbackFunctions callbacks = {log_message, NULL, NULL, NULL, NULL};
     Fmu fmu;
     fmi2InstantiateTYPE *instantiate = (fmi2InstantiateTYPE *)find(library, "fmi2Instantiate");
     demand(instantiate != NULL, library);
-    fmu.component = instantiate("it", fmi2CoSimulation, guid, "", &callbacks, fmi2False, fmi2True);
+    fmu.component = instantiate("instance", fmi2CoSimulation, guid, "", &callbacks, fmi2False, fmi2True);
     demand(fmu.component != NULL, "instantiate");
     fmu.get = (fmi2GetRealTYPE *)find(library, "fmi2GetReal");
     fmu.set = (fmi2SetRealTYPE *)find(library, "fmi2SetReal");

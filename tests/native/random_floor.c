@@ -27,7 +27,7 @@ int main(int count, char *words[])
     const fmi2ValueReference out[] = {reference("floor_acceleration")};
     const fmi2Integer values[] = {RANDOM, atoi(words[1]), atoi(words[2])};
     const long steps = atol(words[count - 1]);
-    const fmi2Component fmu = fmi2Instantiate("it", fmi2CoSimulation, MODEL_TOKEN, "", NULL, fmi2False, fmi2False);
+    const fmi2Component fmu = fmi2Instantiate("instance", fmi2CoSimulation, MODEL_TOKEN, "", NULL, fmi2False, fmi2False);
     if (fmi2SetInteger(fmu, in, 3, values) != fmi2OK || fmi2EnterInitializationMode(fmu) != fmi2OK ||
         fmi2ExitInitializationMode(fmu) != fmi2OK) {
         return 1;

@@ -43,7 +43,7 @@ def test_numbers_are_normal(numbers: np.ndarray):
         assert abs((np.abs(numbers) > limit).sum() - expected) < 4 * math.sqrt(expected)
 
 
-def test_numbers_do_not_know_one_another(numbers: np.ndarray):
+def test_streams_are_independent(numbers: np.ndarray):
     """Neither neighbours, nor streams of one seed, nor of neighbouring seeds."""
     others = [
         np.array([random_normal(random_stream(seed, number), i) for i in range(COUNT)])
@@ -55,7 +55,7 @@ def test_numbers_do_not_know_one_another(numbers: np.ndarray):
             assert abs(np.corrcoef(one**power, other**power)[0, 1]) < 4 / math.sqrt(len(one))
 
 
-def test_the_logarithm_is_one():
+def test_the_logarithm_is_accurate():
     random = np.random.default_rng(5)
     for x in [
         *random.uniform(0.0, 1.0, 2000),

@@ -62,7 +62,7 @@ def test_given_observer_gains_are_used_as_they_are():
     assert observer_gains(Parameters(L1=-1000.0))[1] == observer_gains(Parameters())[1]
 
 
-def test_rate_filter_is_exact_on_a_ramp_once_settled():
+def test_rate_filter_is_exact_on_a_ramp_in_steady_state():
     state, c = start(Parameters(enabled=False))
     for k in range(200):
         state, outputs = step(state, Inputs(0.0, 0.3 * k * h), c)
@@ -94,7 +94,7 @@ def test_law_schedules_the_gains_over_the_mass():
 
 
 @pytest.mark.parametrize("acceleration", [-40.0, 40.0])
-def test_force_is_limited_and_says_so(acceleration: float):
+def test_force_is_limited_and_saturated_is_set(acceleration: float):
     state, c = start(Parameters(force_limit=100.0))
     _, outputs = step(state, Inputs(acceleration, 0.0), c)
     assert abs(outputs.force_demand) > 100.0
@@ -107,7 +107,7 @@ def test_observer_winds_up_as_published_and_not_with_anti_windup():
     for anti_windup in (False, True):
         state, c = start(Parameters(force_limit=50.0, anti_windup=anti_windup))
         for _ in range(100):
-            # a seat that does what its saturated force makes of it, under a load beyond the limit
+            # a seat under a load beyond the force limit
             measured = (state.force - 200.0) / (55.0 + 28.0)
             state, outputs = step(state, Inputs(measured, 0.0), c)
         estimates[anti_windup] = outputs.disturbance_estimate

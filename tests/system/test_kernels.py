@@ -221,7 +221,7 @@ def test_kernels_compile_without_any_warning(kernel: str, tmp_path: Path):
 
 
 @gcc
-def test_the_controller_stands_alone_in_single_precision_too(tmp_path: Path):
+def test_the_controller_compiles_alone_in_single_precision(tmp_path: Path):
     for name in ("controller.c", "controller.h"):
         shutil.copy(ROOT / "src/seat_controller_fmu" / name, tmp_path)
     options = [*STRICT, "-Wdouble-promotion", "-DSEAT_CONTROLLER_REAL=float", "-O2"]

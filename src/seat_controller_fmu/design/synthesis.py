@@ -109,7 +109,7 @@ class _Problem:
             except cp.error.SolverError as error:
                 raise DesignError(f"design: expected {solver} to solve, got: {error}; {advice}") from error
         if self.scaled_Q.value is None or problem.status not in ("optimal", "optimal_inaccurate"):
-            got = f"{solver} says {problem.status}"
+            got = f"{solver} returns {problem.status}"
             raise DesignError(f"design: expected feasible inequalities (31)-(32), got none, {got}; {advice}")
         return float(problem.value)
 

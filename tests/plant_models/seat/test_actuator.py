@@ -54,7 +54,7 @@ def test_a_lag_answers_a_step_exponentially_and_moves_a_free_mass_exactly(time_c
     assert state.masses.seat_displacement == pytest.approx(displacement, rel=1e-9, abs=1e-13 * scale * t)
 
 
-def test_a_lag_fades_to_zero_and_not_to_denormal_numbers():
+def test_a_lag_fades_to_zero_and_not_to_subnormal_numbers():
     state = pushed([100.0] * 5 + [0.0] * 200, [H] * 205, actuator_time_constant=1e-3)
     assert state.actuator.force == 0.0
 
@@ -89,7 +89,7 @@ def test_step_sizes_may_change_while_forces_are_on_their_way():
 
 @pytest.mark.parametrize("step", [1e-5, 1e-4, 3e-4])
 def test_at_tiny_steps_a_force_is_late_by_a_128th_of_the_delay_at_most(step: float):
-    """A force that tells when it was asked for."""
+    """The value of the force is the time of its command."""
     delay = 0.05
     c = prepare(Parameters(**FREE, actuator_delay=delay))
     state, _ = initialize(Inputs(), c, 0.0)
@@ -128,7 +128,7 @@ def test_the_delayed_force_is_lagged():
     assert state.actuator.force == pytest.approx(-100.0 * math.expm1(-(count * H - delay) / time_constant), rel=1e-11)
 
 
-def test_the_actuator_starts_settled_on_the_initial_force():
+def test_the_actuator_is_in_steady_state_at_the_start():
     c = prepare(Parameters(actuator_force_limit=50.0, actuator_delay=0.01, actuator_time_constant=0.01))
     state, outputs = initialize(Inputs(force=80.0), c, 0.0)
     assert outputs.seat_acceleration == pytest.approx(50.0 / MASS, rel=1e-15)

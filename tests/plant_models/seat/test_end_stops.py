@@ -62,7 +62,7 @@ def energy(state: State, p: Parameters) -> float:
 
 
 @pytest.mark.parametrize(("stiffness", "damping"), [(1e5, 0.0), (1e5, 300.0), (1e5, 5000.0), (1e6, 2000.0)])
-def test_impacts_take_energy_and_never_give_any(stiffness: float, damping: float):
+def test_impacts_never_add_energy(stiffness: float, damping: float):
     p = stops(stiffness, damping, friction_alpha=0.0)
     c = prepare(p)
     state = State(Masses(0.035, 1.5, 0.035, 1.5, 0.0))

@@ -42,18 +42,18 @@ EXACT_FOR = {
 """Coefficients of the longest polynomial that is derived exactly, and after how many steps it is."""
 
 
-def alive(motion: FloorMotion, signal: FloorSignals, dead: float = 0.0) -> Inputs:
-    values = {f"floor_{name}": value if name == signal.name else dead for name, value in motion._asdict().items()}
+def inputs_of(motion: FloorMotion, signal: FloorSignals, unused: float = 0.0) -> Inputs:
+    values = {f"floor_{name}": value if name == signal.name else unused for name, value in motion._asdict().items()}
     return Inputs(**values)
 
 
 def follow(
-    signal: FloorSignals, motion, steps: list[float], dead: float = 0.0
+    signal: FloorSignals, motion, steps: list[float], unused: float = 0.0
 ) -> Iterator[tuple[float, FloorMotion, float]]:
     """Step sizes, one after the other; yields each step's begin, floor, and where it leaves the floor."""
     history = FloorHistory(*motion(0.0))
     for time, step in zip(accumulate([0.0, *steps]), steps, strict=False):
-        floor, history = derive_motion(history, alive(motion(time), signal, dead), signal, step)
+        floor, history = derive_motion(history, inputs_of(motion(time), signal, unused), signal, step)
         yield time, floor, history.end_displacement
 
 
@@ -100,7 +100,7 @@ def test_samples_that_come_too_soon_are_left_out(signal: FloorSignals):
     history, order = FloorHistory(), 2 - ONE.index(signal)
     for _ in range(3000):
         noise = FloorMotion(*(MIN_INTERVAL**order * random.standard_normal(3)))
-        floor, history = derive_motion(history, alive(noise, signal), signal, 1e-7)
+        floor, history = derive_motion(history, inputs_of(noise, signal), signal, 1e-7)
         assert abs(floor.acceleration) < 20.0
         assert history.age < MIN_INTERVAL + 2e-7
 
@@ -121,14 +121,14 @@ def test_a_floor_that_starts_elsewhere_is_no_jump(signal: FloorSignals):
 
 
 @one_signal
-def test_inputs_that_are_not_alive_count_at_the_start_only(signal: FloorSignals):
+def test_unused_floor_inputs_count_at_the_start_only(signal: FloorSignals):
     motion = polynomial(0.0, 0.1, 2.0, 10.0)
     c = prepare(Parameters(floor_signals=signal))
     ends = []
-    for dead in (0.0, 1e6):
+    for unused in (0.0, 1e6):
         state, _ = initialize(Inputs(*motion(0.0)), c, 0.0)
         for k in range(20):
-            state, _ = advance(state, alive(motion(k * H), signal, dead), c, k * H, H)
+            state, _ = advance(state, inputs_of(motion(k * H), signal, unused), c, k * H, H)
         ends.append(state)
     assert ends[0] == ends[1]
 
@@ -138,7 +138,7 @@ def test_the_deflection_is_that_from_the_derived_floor(signal: FloorSignals):
     c = prepare(Parameters(floor_signals=signal))
     state, _ = initialize(Inputs(), c, 0.0)
     for k in range(50):
-        state, outputs = advance(state, alive(FloorMotion(*bump()(k * H)), signal), c, k * H, H)
+        state, outputs = advance(state, inputs_of(FloorMotion(*bump()(k * H)), signal), c, k * H, H)
         assert outputs.suspension_deflection == pytest.approx(
             state.masses.seat_displacement - state.floor.end_displacement, abs=1e-15
         )
@@ -174,7 +174,7 @@ def test_each_signal_alone_agrees_with_the_implicit_solver(rig: Rig, excitation:
         assert all(a < b for a, b in zip(found, BOUNDS[excitation, signal], strict=True))
 
 
-def test_a_signal_that_is_not_said_to_be_alone_fails_these_bounds(rig: Rig):
+def test_one_signal_with_all_signals_declared_fails_these_bounds(rig: Rig):
     expected = exact("bump", False)
     for signal in ONE:
         only = sampled("bump")
@@ -201,7 +201,7 @@ def test_changing_step_sizes_are_as_accurate(signal: FloorSignals, bound: float)
     found = []
     for time, step in zip(times.tolist(), steps.tolist(), strict=False):
         found.append([outputs.driver_acceleration, outputs.suspension_deflection])
-        state, outputs = advance(state, alive(FloorMotion(*bump()(time)), signal), c, time, step)
+        state, outputs = advance(state, inputs_of(FloorMotion(*bump()(time)), signal), c, time, step)
     error = np.sqrt(np.mean((np.array(found) - expected) ** 2, axis=0) / np.mean(expected**2, axis=0))
     print(error)
     assert error[0] < bound
@@ -231,7 +231,7 @@ def drive(seat: Driven, first: int, last: int) -> list[list[float]]:
     return found
 
 
-def test_a_step_can_be_taken_back(seat: Driven):
+def test_a_step_can_be_undone(seat: Driven):
     seat.begin(floor_signals=2)
     drive(seat, 0, 40)
     state = seat.state()
@@ -241,7 +241,7 @@ def test_a_step_can_be_taken_back(seat: Driven):
     assert np.abs(once).max() > 0.1
 
 
-def test_an_input_that_is_not_alive_must_still_be_a_number(seat: Driven):
+def test_an_unused_input_must_still_be_a_number(seat: Driven):
     seat.begin(floor_signals=2)
     seat.set(floor_velocity=math.nan)
     with pytest.raises(FMICallException):

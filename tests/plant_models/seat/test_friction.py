@@ -44,7 +44,7 @@ def test_random_histories_match_the_equation_to_1e_9_of_the_plateau():
     assert worst < 1e-9 * PUBLISHED.plateau
 
 
-def test_a_wrong_coefficient_is_noticed_by_that_bound():
+def test_a_wrong_coefficient_exceeds_that_bound():
     wrong = PUBLISHED._replace(unloading_scale=PUBLISHED.unloading_scale * (1 + 1e-6))
     state, velocity, duration = -0.8 * PUBLISHED.plateau, 0.1, 1e-4
     error = abs(after_slip(state, velocity * duration, wrong) - integrated(state, velocity, duration))

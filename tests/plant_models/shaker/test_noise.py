@@ -44,8 +44,8 @@ TABLE = {
 RESOLUTION = 0.25
 """Of spectra, in Hz."""
 
-SETTLED = 5.0
-"""In s: the motion has been stationary for long."""
+WARM_UP = 5.0
+"""In s: then the motion is stationary."""
 
 each = pytest.mark.parametrize("chosen", list(RandomClass), ids=lambda c: c.name)
 
@@ -85,11 +85,11 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def acceleration(program: Path, chosen: RandomClass, seed: int, duration: float) -> np.ndarray:
-    """Run the FMU; the acceleration of the floor every tick, once it has settled."""
-    settled, steps = round(SETTLED / TICK), round(duration / TICK)
-    words = [str(program), str(chosen.value), str(seed), str(settled + steps)]
+    """Run the FMU; returns the acceleration of the floor at every tick after the warm-up."""
+    warm_up, steps = round(WARM_UP / TICK), round(duration / TICK)
+    words = [str(program), str(chosen.value), str(seed), str(warm_up + steps)]
     run = subprocess.run(words, capture_output=True, check=True)
-    return np.frombuffer(run.stdout)[settled:]
+    return np.frombuffer(run.stdout)[warm_up:]
 
 
 def band_mean_square(found: np.ndarray, t: Tabulated) -> float:
@@ -193,5 +193,5 @@ def test_the_displacement_does_not_drift():
     assert np.abs(rows[:, 0]).max() < 6 * rows[:600, 0].std()
 
 
-def test_the_rest_before_is_rest():
+def test_the_floor_is_at_rest_before_the_first_tick():
     assert Outputs() == initialize(Inputs(), prepare(random()), 0.001)[1]

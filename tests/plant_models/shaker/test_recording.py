@@ -242,24 +242,24 @@ def same_text(one: str, other: str) -> bool:
 
 
 @pytest.mark.parametrize("what", WRONG)
-def test_each_fault_is_told_in_one_line(tmp_path: Path, what: str, in_c: Callable[..., list[str]]):
-    content, said = WRONG[what]
+def test_each_fault_gives_a_message_of_one_line(tmp_path: Path, what: str, in_c: Callable[..., list[str]]):
+    content, message = WRONG[what]
     path = tmp_path / "record.csv"
     path.write_bytes(content)
-    with pytest.raises(ParameterError, match=said) as caught:
+    with pytest.raises(ParameterError, match=message) as caught:
         load(str(path), CORNER, FADE)
     assert str(caught.value).startswith(str(path))
     assert in_c([path]) == [str(caught.value)]
 
 
-def test_files_that_cannot_be_read_are_told(tmp_path: Path, in_c: Callable[..., list[str]]):
+def test_unreadable_files_give_a_message(tmp_path: Path, in_c: Callable[..., list[str]]):
     for path in (tmp_path / "none.csv", tmp_path):
         with pytest.raises(ParameterError, match="expected a file that can be read, got none") as caught:
             read(str(path))
         assert in_c([path]) == [str(caught.value)]
 
 
-def test_a_file_that_is_too_large_is_told(tmp_path: Path, in_c: Callable[..., list[str]]):
+def test_a_file_with_too_many_rows_is_refused(tmp_path: Path, in_c: Callable[..., list[str]]):
     path = tmp_path / "large.csv"
     with path.open("w", encoding="utf-8") as stream:
         stream.write("time,displacement\n")
@@ -314,7 +314,7 @@ def test_c_and_python_agree_on_any_file_to_the_last_bit(tmp_path: Path, in_c: Ca
 
 
 @pytest.mark.skipif(shutil.which("localedef") is None, reason="localedef is not installed")
-def test_numbers_are_read_whatever_the_locale(
+def test_numbers_are_read_in_any_locale(
     tmp_path: Path, in_c: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch
 ):
     made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", str(tmp_path / "german.UTF-8")], check=False)
@@ -371,7 +371,7 @@ def test_a_wrong_file_discards_the_steps_of_the_python_flavour(fmus: Path, tmp_p
 
 @pytest.mark.parametrize("flavour", NATIVE)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
-def test_a_recordings_memory_is_freed_whatever_happens(flavour: str, tmp_path: Path):
+def test_the_memory_of_a_recording_is_always_freed(flavour: str, tmp_path: Path):
     sources = source_files(SHAKER, STANDARDS[flavour], "{token}")
     for name, content in {**sources, "example.csv": example(), "wrong.csv": b"no recording"}.items():
         (tmp_path / name).write_bytes(content)

@@ -68,7 +68,7 @@ def amplitudes(p: Parameters, name: str) -> tuple[np.ndarray, np.ndarray]:
     return t[peaks], x[peaks]
 
 
-def test_a_sweep_keeps_the_amplitude_it_is_asked_for():
+def test_a_sweep_keeps_the_amplitude_of_its_mode():
     """The acceleration up to (beta/omega)^2/2 of it, here 0.17 % at the end of the first fade."""
     _, acceleration = amplitudes(SWEEP, "floor_acceleration")
     assert np.abs(acceleration - 1.0).max() < 0.002
