@@ -1,7 +1,8 @@
 /* The master's loop in C: steps components over a range of ticks by the FMUs' own functions, FMI 2.0 and 3.0 mixed.
  *
- * It does what cosim/engine/python_stepper.py does, over the same table and buffers, to the same bits. The structures are those of
- * cosim/engine/native_stepper.py, which fills them. Nothing is allocated here and nothing outlives a call. */
+ * It does what cosim/engine/python_stepper.py does, over the same table and buffers, to the same bits. The structures
+ * are those of cosim/engine/native_stepper.py, which fills them. Nothing is allocated here and nothing outlives a call.
+ */
 #include "source.h"
 
 #include <stdbool.h>
@@ -29,9 +30,9 @@ typedef int DoStep3(void *instance, double time, double step, bool no_return, bo
 
 /* Types of values, in the order of cosim/engine/native_stepper.py. */
 #define EACH_TYPE(DO)                                                                                                  \
-    DO(0, double) DO(1, float) DO(2, bool)                                                                             \
-    DO(3, int8_t) DO(4, int16_t) DO(5, int32_t) DO(6, int64_t)                                                         \
-    DO(7, uint8_t) DO(8, uint16_t) DO(9, uint32_t) DO(10, uint64_t)
+    DO(0, double)                                                                                                      \
+    DO(1, float) DO(2, bool) DO(3, int8_t) DO(4, int16_t) DO(5, int32_t) DO(6, int64_t) DO(7, uint8_t) DO(8, uint16_t) \
+        DO(9, uint32_t) DO(10, uint64_t)
 
 enum { TYPE_DOUBLE = 0 };
 
@@ -71,9 +72,9 @@ typedef struct {
 } Now;
 
 typedef struct {
-    Component *components;       /* in their order */
-    double *table, *before;      /* all outputs' values; room for as many */
-    double *rows;                /* where the row of tick `first_recorded` goes; the others follow */
+    Component *components;  /* in their order */
+    double *table, *before; /* all outputs' values; room for as many */
+    double *rows;           /* where the row of tick `first_recorded` goes; the others follow */
     const Cell *continuous, *discrete;
     int64_t component_count, group, table_size, width, continuous_count, discrete_count, record_every, first_recorded;
     int64_t done; /* number of ticks that are complete */
@@ -137,11 +138,11 @@ static void fill_buffer(const Port *port, const double table[])
         return;
     }
     switch (port->type) {
-#define FILL(code, type_)                                                                                              \
-    case code:                                                                                                         \
-        for (int64_t i = 0; i < port->count; ++i) {                                                                    \
-            ((type_ *)port->buffer)[i] = (type_)table[port->places[i]];                                                \
-        }                                                                                                              \
+#define FILL(code, type_)                                               \
+    case code:                                                          \
+        for (int64_t i = 0; i < port->count; ++i) {                     \
+            ((type_ *)port->buffer)[i] = (type_)table[port->places[i]]; \
+        }                                                               \
         break;
         EACH_TYPE(FILL)
 #undef FILL
@@ -152,11 +153,11 @@ static void fill_buffer(const Port *port, const double table[])
 static void empty_buffer(const Port *port, double table[])
 {
     switch (port->type) {
-#define EMPTY(code, type_)                                                                                             \
-    case code:                                                                                                         \
-        for (int64_t i = 0; i < port->count; ++i) {                                                                    \
-            table[port->places[i]] = (double)((const type_ *)port->buffer)[i];                                         \
-        }                                                                                                              \
+#define EMPTY(code, type_)                                                     \
+    case code:                                                                 \
+        for (int64_t i = 0; i < port->count; ++i) {                            \
+            table[port->places[i]] = (double)((const type_ *)port->buffer)[i]; \
+        }                                                                      \
         break;
         EACH_TYPE(EMPTY)
 #undef EMPTY
@@ -271,8 +272,8 @@ static INLINE bool do_part(Plan *plan, Component *it, int64_t number, int64_t pa
         return accepted(plan, ((DoStep2 *)it->step)(it->instance, time, it->step_size, 1), &it->warned);
     }
     bool event = false, terminate = false, early = false;
-    const int status = ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early,
-                                             &plan->now.reached);
+    const int status =
+        ((DoStep3 *)it->step)(it->instance, time, it->step_size, true, &event, &terminate, &early, &plan->now.reached);
     if (!accepted(plan, status, &it->warned)) {
         return false;
     }

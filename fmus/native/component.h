@@ -1,6 +1,6 @@
-/* Interface of a model to the glue code: its variables and a few functions. model.h is generated from the declaration of
- * the component. It defines counts, names, limits, the table MODEL_VARIABLES, and the conversion of values to the types
- * of the model. Times are in s.
+/* Interface of a model to the glue code: its variables and a few functions. model.h is generated from the declaration
+ * of the component. It defines counts, names, limits, the table MODEL_VARIABLES, and the conversion of values to the
+ * types of the model. Times are in s.
  *
  *   typedef ... ModelParameters, ModelCoefficients, ModelState, ModelInputs, ModelOutputs;
  *

@@ -23,8 +23,8 @@ static void log_message(const Instance *instance, Status status, const char *cat
         format[length++] = *c;
     }
     format[length] = '\0';
-    ((fmi2CallbackLogger)instance->host.callback)(instance->host.environment, instance->name, (fmi2Status)status, category,
-                                                  format);
+    ((fmi2CallbackLogger)instance->host.callback)(instance->host.environment, instance->name, (fmi2Status)status,
+                                                  category, format);
 }
 
 const char *fmi2GetTypesPlatform(void)
@@ -46,7 +46,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         host.callback = (HostCallback)functions->logger;
         host.environment = functions->componentEnvironment;
     }
-    Instance *instance = instance_new(instanceName, fmuGUID, fmuResourceLocation, loggingOn != fmi2False, host, __func__);
+    Instance *instance =
+        instance_new(instanceName, fmuGUID, fmuResourceLocation, loggingOn != fmi2False, host, __func__);
     if (instance != NULL && fmuType != fmi2CoSimulation) {
         instance_unsupported(instance, __func__, "co-simulation only");
         instance_free(instance);
@@ -102,26 +103,26 @@ fmi2Status fmi2Reset(fmi2Component c)
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-#define GETTER(function, type, kind, conversion)                                                          \
-    fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, kind value[])         \
-    {                                                                                                     \
-        const Instance *instance = c;                                                                           \
-        const Status status = instance_prepare_read(c, __func__, type, vr, nvr, value);                           \
-        for (size_t i = 0; status != STATUS_ERROR && i < nvr; ++i) {                                         \
-            value[i] = (kind)(conversion);                                                                \
-        }                                                                                                 \
-        return (fmi2Status)status;                                                                        \
+#define GETTER(function, type, kind, conversion)                                                  \
+    fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, kind value[]) \
+    {                                                                                             \
+        const Instance *instance = c;                                                             \
+        const Status status = instance_prepare_read(c, __func__, type, vr, nvr, value);           \
+        for (size_t i = 0; status != STATUS_ERROR && i < nvr; ++i) {                              \
+            value[i] = (kind)(conversion);                                                        \
+        }                                                                                         \
+        return (fmi2Status)status;                                                                \
     }
 
-#define SETTER(function, type, kind, conversion)                                                          \
-    fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const kind value[])   \
-    {                                                                                                     \
-        Status status = instance_check_write(c, __func__, type, vr, nvr, value);                            \
-        for (size_t i = 0, legal = status == STATUS_OK; legal && i < nvr; ++i) {                          \
-            const Status written = instance_write(c, __func__, vr[i], (double)(conversion));              \
-            status = written > status ? written : status;                                                 \
-        }                                                                                                 \
-        return (fmi2Status)status;                                                                        \
+#define SETTER(function, type, kind, conversion)                                                        \
+    fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const kind value[]) \
+    {                                                                                                   \
+        Status status = instance_check_write(c, __func__, type, vr, nvr, value);                        \
+        for (size_t i = 0, legal = status == STATUS_OK; legal && i < nvr; ++i) {                        \
+            const Status written = instance_write(c, __func__, vr[i], (double)(conversion));            \
+            status = written > status ? written : status;                                               \
+        }                                                                                               \
+        return (fmi2Status)status;                                                                      \
     }
 
 GETTER(fmi2GetReal, TYPE_REAL, fmi2Real, instance->values[vr[i]])
@@ -208,10 +209,10 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 
 /* ---- unsupported functions --------------------------------------------------------------------------------------- */
 
-#define UNSUPPORTED(function, reason, ...)                                                                \
-    fmi2Status function(__VA_ARGS__)                                                                      \
-    {                                                                                                     \
-        return (fmi2Status)instance_unsupported(c, __func__, reason);                                     \
+#define UNSUPPORTED(function, reason, ...)                            \
+    fmi2Status function(__VA_ARGS__)                                  \
+    {                                                                 \
+        return (fmi2Status)instance_unsupported(c, __func__, reason); \
     }
 
 static const char *const no_derivatives = "no derivatives";
@@ -234,8 +235,7 @@ UNSUPPORTED(fmi2EnterEventMode, no_model_exchange, fmi2Component c)
 UNSUPPORTED(fmi2NewDiscreteStates, no_model_exchange, fmi2Component c, fmi2EventInfo *fmi2eventInfo)
 UNSUPPORTED(fmi2EnterContinuousTimeMode, no_model_exchange, fmi2Component c)
 UNSUPPORTED(fmi2CompletedIntegratorStep, no_model_exchange, fmi2Component c,
-            fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode,
-            fmi2Boolean *terminateSimulation)
+            fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
 UNSUPPORTED(fmi2SetTime, no_model_exchange, fmi2Component c, fmi2Real time)
 UNSUPPORTED(fmi2SetContinuousStates, no_model_exchange, fmi2Component c, const fmi2Real x[], size_t nx)
 UNSUPPORTED(fmi2GetDerivatives, no_model_exchange, fmi2Component c, fmi2Real derivatives[], size_t nx)

@@ -20,7 +20,8 @@ static const char *const no_structure = "no structural parameters";
 /* Pass a message to the host. */
 static void log_message(const Instance *instance, Status status, const char *category, const char *message)
 {
-    ((fmi3LogMessageCallback)instance->host.callback)(instance->host.environment, (fmi3Status)status, category, message);
+    ((fmi3LogMessageCallback)instance->host.callback)(instance->host.environment, (fmi3Status)status, category,
+                                                      message);
 }
 
 const char *fmi3GetVersion(void)
@@ -49,8 +50,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
                                          const fmi3ValueReference requiredIntermediateVariables[],
                                          size_t nRequiredIntermediateVariables,
-                                         fmi3InstanceEnvironment instanceEnvironment,
-                                         fmi3LogMessageCallback logMessage,
+                                         fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     const Host host = host_of(logMessage, instanceEnvironment);
@@ -138,50 +138,49 @@ fmi3Status fmi3Reset(fmi3Instance instance)
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-#define GETTER(function, type, kind, conversion)                                                          \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[],                \
-                        size_t nValueReferences, kind values[], size_t nValues)                           \
-    {                                                                                                     \
-        const Instance *const self = instance;                                                            \
-        const size_t count = nValueReferences;                                                            \
-        Status status = check_counts(self, __func__, count, nValues);                                       \
-        if (status == STATUS_OK) {                                                                        \
-            status = instance_prepare_read(instance, __func__, type, valueReferences, count, values);             \
-        }                                                                                                 \
-        for (size_t i = 0; status != STATUS_ERROR && i < count; ++i) {                                       \
-            const double value = self->values[valueReferences[i]];                                          \
-            values[i] = (kind)(conversion);                                                               \
-        }                                                                                                 \
-        return (fmi3Status)status;                                                                        \
+#define GETTER(function, type, kind, conversion)                                                                    \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences, \
+                        kind values[], size_t nValues)                                                              \
+    {                                                                                                               \
+        const Instance *const self = instance;                                                                      \
+        const size_t count = nValueReferences;                                                                      \
+        Status status = check_counts(self, __func__, count, nValues);                                               \
+        if (status == STATUS_OK) {                                                                                  \
+            status = instance_prepare_read(instance, __func__, type, valueReferences, count, values);               \
+        }                                                                                                           \
+        for (size_t i = 0; status != STATUS_ERROR && i < count; ++i) {                                              \
+            const double value = self->values[valueReferences[i]];                                                  \
+            values[i] = (kind)(conversion);                                                                         \
+        }                                                                                                           \
+        return (fmi3Status)status;                                                                                  \
     }
 
-#define SETTER(function, type, kind)                                                                      \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[],                \
-                        size_t nValueReferences, const kind values[], size_t nValues)                     \
-    {                                                                                                     \
-        const size_t count = nValueReferences;                                                            \
-        Status status = check_counts(instance, __func__, count, nValues);                                 \
-        if (status == STATUS_OK) {                                                                        \
-            status = instance_check_write(instance, __func__, type, valueReferences, count, values);        \
-        }                                                                                                 \
-        for (size_t i = 0, legal = status == STATUS_OK; legal && i < count; ++i) {                        \
-            const Status written = instance_write(instance, __func__, valueReferences[i],                 \
-                                                  (double)values[i]);                                     \
-            status = written > status ? written : status;                                                 \
-        }                                                                                                 \
-        return (fmi3Status)status;                                                                        \
+#define SETTER(function, type, kind)                                                                                \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences, \
+                        const kind values[], size_t nValues)                                                        \
+    {                                                                                                               \
+        const size_t count = nValueReferences;                                                                      \
+        Status status = check_counts(instance, __func__, count, nValues);                                           \
+        if (status == STATUS_OK) {                                                                                  \
+            status = instance_check_write(instance, __func__, type, valueReferences, count, values);                \
+        }                                                                                                           \
+        for (size_t i = 0, legal = status == STATUS_OK; legal && i < count; ++i) {                                  \
+            const Status written = instance_write(instance, __func__, valueReferences[i], (double)values[i]);       \
+            status = written > status ? written : status;                                                           \
+        }                                                                                                           \
+        return (fmi3Status)status;                                                                                  \
     }
 
-#define REFUSED_TYPE(type, kind)                                                                          \
-    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference valueReferences[],           \
-                             size_t nValueReferences, kind values[], size_t nValues)                      \
-    {                                                                                                     \
-        return (fmi3Status)instance_refuse_type(instance, __func__, #type, nValueReferences);            \
-    }                                                                                                     \
-    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference valueReferences[],           \
-                             size_t nValueReferences, const kind values[], size_t nValues)                \
-    {                                                                                                     \
-        return (fmi3Status)instance_refuse_type(instance, __func__, #type, nValueReferences);            \
+#define REFUSED_TYPE(type, kind)                                                                \
+    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference valueReferences[], \
+                             size_t nValueReferences, kind values[], size_t nValues)            \
+    {                                                                                           \
+        return (fmi3Status)instance_refuse_type(instance, __func__, #type, nValueReferences);   \
+    }                                                                                           \
+    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference valueReferences[], \
+                             size_t nValueReferences, const kind values[], size_t nValues)      \
+    {                                                                                           \
+        return (fmi3Status)instance_refuse_type(instance, __func__, #type, nValueReferences);   \
     }
 
 /* Check that there are as many values as references: no variable is an array. */
@@ -189,7 +188,8 @@ static Status check_counts(const Instance *instance, const char *function, size_
 {
     return references == values
                ? STATUS_OK
-               : instance_fail(instance, function, "expected %zu values, one for each reference, got %zu", references, values);
+               : instance_fail(instance, function, "expected %zu values, one for each reference, got %zu", references,
+                               values);
 }
 
 GETTER(fmi3GetFloat64, TYPE_REAL, fmi3Float64, value)
@@ -296,10 +296,10 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte seriali
 
 /* ---- unsupported functions --------------------------------------------------------------------------------------- */
 
-#define UNSUPPORTED(function, reason, ...)                                                                \
-    fmi3Status function(__VA_ARGS__)                                                                      \
-    {                                                                                                     \
-        return (fmi3Status)instance_unsupported(instance, __func__, reason);                              \
+#define UNSUPPORTED(function, reason, ...)                                   \
+    fmi3Status function(__VA_ARGS__)                                         \
+    {                                                                        \
+        return (fmi3Status)instance_unsupported(instance, __func__, reason); \
     }
 
 UNSUPPORTED(fmi3EnterEventMode, no_events, fmi3Instance instance)
@@ -307,8 +307,7 @@ UNSUPPORTED(fmi3EnterStepMode, no_events, fmi3Instance instance)
 UNSUPPORTED(fmi3EvaluateDiscreteStates, no_events, fmi3Instance instance)
 UNSUPPORTED(fmi3UpdateDiscreteStates, no_events, fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
             fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
-            fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
-            fmi3Float64 *nextEventTime)
+            fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
 
 UNSUPPORTED(fmi3EnterConfigurationMode, no_structure, fmi3Instance instance)
 UNSUPPORTED(fmi3ExitConfigurationMode, no_structure, fmi3Instance instance)
@@ -319,14 +318,13 @@ UNSUPPORTED(fmi3GetVariableDependencies, "no run-time dependencies", fmi3Instanc
             size_t elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[], size_t nDependencies)
 
 UNSUPPORTED(fmi3GetDirectionalDerivative, no_derivatives, fmi3Instance instance, const fmi3ValueReference unknowns[],
-            size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-            size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+            size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+            fmi3Float64 sensitivity[], size_t nSensitivity)
 UNSUPPORTED(fmi3GetAdjointDerivative, no_derivatives, fmi3Instance instance, const fmi3ValueReference unknowns[],
-            size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-            size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
-UNSUPPORTED(fmi3GetOutputDerivatives, no_derivatives, fmi3Instance instance,
-            const fmi3ValueReference valueReferences[], size_t nValueReferences, const fmi3Int32 orders[],
-            fmi3Float64 values[], size_t nValues)
+            size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+            fmi3Float64 sensitivity[], size_t nSensitivity)
+UNSUPPORTED(fmi3GetOutputDerivatives, no_derivatives, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+            size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
 
 UNSUPPORTED(fmi3GetIntervalDecimal, no_clocks, fmi3Instance instance, const fmi3ValueReference valueReferences[],
             size_t nValueReferences, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
@@ -350,8 +348,7 @@ UNSUPPORTED(fmi3ActivateModelPartition, no_clocks, fmi3Instance instance, fmi3Va
 
 UNSUPPORTED(fmi3EnterContinuousTimeMode, co_simulation_only, fmi3Instance instance)
 UNSUPPORTED(fmi3CompletedIntegratorStep, co_simulation_only, fmi3Instance instance,
-            fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
-            fmi3Boolean *terminateSimulation)
+            fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
 UNSUPPORTED(fmi3SetTime, co_simulation_only, fmi3Instance instance, fmi3Float64 time)
 UNSUPPORTED(fmi3SetContinuousStates, co_simulation_only, fmi3Instance instance, const fmi3Float64 continuousStates[],
             size_t nContinuousStates)

@@ -24,7 +24,8 @@ enum { CATEGORY_COUNT = sizeof category_names / sizeof *category_names, ALL_CATE
 static void log_message(const Instance *instance, Status status, const char *message)
 {
     const size_t category = status == STATUS_WARNING ? MODEL_WARNINGS : MODEL_ERRORS;
-    if (instance->host.log_message != NULL && instance->host.callback != NULL && (instance->categories & (1u << category)) != 0) {
+    if (instance->host.log_message != NULL && instance->host.callback != NULL &&
+        (instance->categories & (1u << category)) != 0) {
         instance->host.log_message(instance, status, category_names[category], message);
     }
 }
@@ -92,8 +93,9 @@ static void describe_parameters(const Instance *instance, const char *text, char
     const size_t count = strstr(text, ", got ") == NULL ? VARIABLE_COUNT : 0;
     for (size_t i = 0; i < count && length > 0 && length < MESSAGE_SIZE; ++i) {
         if (mentions(text, variables[i].name)) {
-            length += snprintf(message + length, (size_t)(MESSAGE_SIZE - length), "%s%s = %.10g%s%s", separator,
-                               variables[i].name, instance->values[i], *variables[i].unit ? " " : "", variables[i].unit);
+            length +=
+                snprintf(message + length, (size_t)(MESSAGE_SIZE - length), "%s%s = %.10g%s%s", separator,
+                         variables[i].name, instance->values[i], *variables[i].unit ? " " : "", variables[i].unit);
             separator = ", ";
         }
     }
@@ -127,12 +129,9 @@ typedef enum { CALL_SET_UP, CALL_ENTER, CALL_EXIT, CALL_STEP, CALL_TERMINATE, CA
 
 static const bool legal_calls[CALL_COUNT][PHASE_COUNT] = {
     /*                 instantiated, initializing, stepping, terminated */
-    [CALL_SET_UP] =    {true,        false,        false,    false},
-    [CALL_ENTER] =     {true,        false,        false,    false},
-    [CALL_EXIT] =      {false,       true,         false,    false},
-    [CALL_STEP] =      {false,       false,        true,     false},
-    [CALL_TERMINATE] = {false,       false,        true,     false},
-    [CALL_SET] =       {true,        true,         true,     false},
+    [CALL_SET_UP] = {true, false, false, false},    [CALL_ENTER] = {true, false, false, false},
+    [CALL_EXIT] = {false, true, false, false},      [CALL_STEP] = {false, false, true, false},
+    [CALL_TERMINATE] = {false, false, true, false}, [CALL_SET] = {true, true, true, false},
 }; /* all other calls are always legal */
 
 static const char *const phase_names[PHASE_COUNT] = {"instantiated", "initializing", "stepping", "terminated"};
@@ -206,8 +205,8 @@ Status instance_set_up(Instance *instance, const char *function, double start_ti
         return STATUS_ERROR;
     }
     if (!(fabs(start_time) <= MAX_TIME)) {
-        return instance_fail(instance, function, "start time: expected at most %.10g s either way, got %.10g s", MAX_TIME,
-                             start_time);
+        return instance_fail(instance, function, "start time: expected at most %.10g s either way, got %.10g s",
+                             MAX_TIME, start_time);
     }
     instance->values[0] = start_time;
     instance->stop_time = stop_time;
@@ -224,7 +223,8 @@ Status instance_enter_initialization(Instance *instance, const char *function)
     return status;
 }
 
-/* Derive the coefficients of the present parameters, if they changed; returns `failure` if these contradict one another. */
+/* Derive the coefficients of the present parameters, if they changed; returns `failure` if these contradict one
+ * another. */
 static Status prepare(Instance *instance, const char *function, Status failure)
 {
     char message[MESSAGE_SIZE];
@@ -263,7 +263,7 @@ static Status check_finite(const Instance *instance, const char *function, Statu
     for (size_t i = first; i < first + count; ++i) {
         if (!isfinite(values[i])) {
             return log_status(instance, failure, function, "%s: expected a finite number, got %g at t = %.10g s",
-                            variables[i].name, values[i], instance->values[0]);
+                              variables[i].name, values[i], instance->values[0]);
         }
     }
     return STATUS_OK;
@@ -294,7 +294,8 @@ static Status initialize(Instance *instance, const char *function, Status failur
 
 Status instance_exit_initialization(Instance *instance, const char *function)
 {
-    if (check_call(instance, function, CALL_EXIT) != STATUS_OK || initialize(instance, function, STATUS_ERROR) != STATUS_OK) {
+    if (check_call(instance, function, CALL_EXIT) != STATUS_OK ||
+        initialize(instance, function, STATUS_ERROR) != STATUS_OK) {
         return STATUS_ERROR;
     }
     instance->phase = PHASE_STEPPING;
@@ -309,7 +310,8 @@ static Status check_step(Instance *instance, const char *function, double time, 
         return instance_fail(instance, function, "expected the time %.10g s, got %.10g s", reached, time);
     }
     if (!(step_size > 0.0 && step_size <= MAX_STEP_SIZE)) {
-        return instance_fail(instance, function, "expected a step size above 0 and up to %.10g s, got %.10g s at t = %.10g s",
+        return instance_fail(instance, function,
+                             "expected a step size above 0 and up to %.10g s, got %.10g s at t = %.10g s",
                              MAX_STEP_SIZE, step_size, time);
     }
     if (time + step_size > instance->stop_time + TIME_TOLERANCE * fmax(1.0, fabs(instance->stop_time))) {
@@ -317,7 +319,8 @@ static Status check_step(Instance *instance, const char *function, double time, 
                              instance->stop_time, time + step_size);
     }
     if (!(fabs(time + step_size) <= MAX_TIME)) {
-        return instance_fail(instance, function, "expected a step that ends within %.10g s either way, got %.10g s at t = %.10g s",
+        return instance_fail(instance, function,
+                             "expected a step that ends within %.10g s either way, got %.10g s at t = %.10g s",
                              MAX_TIME, step_size, time);
     }
     return check_finite(instance, function, STATUS_ERROR, instance->values, FIRST_INPUT, INPUT_COUNT);
@@ -325,7 +328,8 @@ static Status check_step(Instance *instance, const char *function, double time, 
 
 Status instance_step(Instance *instance, const char *function, double time, double step_size)
 {
-    if (check_call(instance, function, CALL_STEP) != STATUS_OK || check_step(instance, function, time, step_size) != STATUS_OK ||
+    if (check_call(instance, function, CALL_STEP) != STATUS_OK ||
+        check_step(instance, function, time, step_size) != STATUS_OK ||
         prepare(instance, function, STATUS_ERROR) != STATUS_OK) {
         return STATUS_ERROR;
     }
@@ -378,13 +382,13 @@ static Status check_references(const Instance *instance, const char *function, T
         return STATUS_ERROR;
     }
     if (count > 0 && (references == NULL || values == NULL)) {
-        return instance_fail(instance, function, "expected arrays of %zu value references and values, got a null pointer",
-                             count);
+        return instance_fail(instance, function,
+                             "expected arrays of %zu value references and values, got a null pointer", count);
     }
     for (size_t i = 0; i < count; ++i) {
         if (references[i] >= VARIABLE_COUNT) {
-            return instance_fail(instance, function, "expected a value reference below %d, got %lu", (int)VARIABLE_COUNT,
-                                 (unsigned long)references[i]);
+            return instance_fail(instance, function, "expected a value reference below %d, got %lu",
+                                 (int)VARIABLE_COUNT, (unsigned long)references[i]);
         }
         if (variables[references[i]].type != type) {
             return instance_fail(instance, function, "%s: expected the access of a %s, got that of a %s",
@@ -395,8 +399,8 @@ static Status check_references(const Instance *instance, const char *function, T
     return STATUS_OK;
 }
 
-Status instance_prepare_read(Instance *instance, const char *function, Type type, const uint32_t references[], size_t count,
-                     const void *values)
+Status instance_prepare_read(Instance *instance, const char *function, Type type, const uint32_t references[],
+                             size_t count, const void *values)
 {
     if (check_references(instance, function, type, references, count, values) != STATUS_OK) {
         return STATUS_ERROR;
@@ -413,7 +417,7 @@ Status instance_prepare_read(Instance *instance, const char *function, Type type
 }
 
 Status instance_check_write(const Instance *instance, const char *function, Type type, const uint32_t references[],
-                          size_t count, const void *values)
+                            size_t count, const void *values)
 {
     return check_call(instance, function, CALL_SET) != STATUS_OK
                ? STATUS_ERROR
@@ -458,8 +462,9 @@ Status instance_write(Instance *instance, const char *function, uint32_t referen
                              phase_names[instance->phase], value);
     }
     if (!is_legal(variable, value)) {
-        return instance_fail(instance, function, "%s: expected a value in [%.10g, %.10g]%s%s, got %.10g", variable->name,
-                             variable->minimum, variable->maximum, *variable->unit ? " " : "", variable->unit, value);
+        return instance_fail(instance, function, "%s: expected a value in [%.10g, %.10g]%s%s, got %.10g",
+                             variable->name, variable->minimum, variable->maximum, *variable->unit ? " " : "",
+                             variable->unit, value);
     }
     instance->values[reference] = value;
     return mark_changed(instance, variable);
@@ -633,8 +638,9 @@ static bool has_parameters(const Instance *instance, const Snapshot *snapshot)
 {
     bool same = memcmp(instance->texts, snapshot->texts, sizeof instance->texts) == 0;
     for (size_t i = 0; i < VARIABLE_COUNT; ++i) {
-        same = same && (variables[i].causality != CAUSALITY_PARAMETER ||
-                        memcmp(&instance->values[i], &snapshot->content[VALUES_AT + i], sizeof instance->values[i]) == 0);
+        same =
+            same && (variables[i].causality != CAUSALITY_PARAMETER ||
+                     memcmp(&instance->values[i], &snapshot->content[VALUES_AT + i], sizeof instance->values[i]) == 0);
     }
     return same;
 }
@@ -695,7 +701,8 @@ Status instance_state_size(const Instance *instance, const char *function, const
     return STATUS_OK;
 }
 
-Status instance_state_to_bytes(const Instance *instance, const char *function, const void *state, void *bytes, size_t size)
+Status instance_state_to_bytes(const Instance *instance, const char *function, const void *state, void *bytes,
+                               size_t size)
 {
     if (instance == NULL || state == NULL || bytes == NULL) {
         return instance_fail(instance, function, "expected a state and a buffer for its bytes, got a null pointer");

@@ -1,5 +1,5 @@
-/* An instance of the model and the rules that all standards share: legal calls in each state, legal values, the sequence
- * of a step, the content of a saved state. Independent of model and standard. */
+/* An instance of the model and the rules that all standards share: legal calls in each state, legal values, the
+ * sequence of a step, the content of a saved state. Independent of model and standard. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
@@ -60,8 +60,7 @@ Status instance_fail(const Instance *instance, const char *function, const char 
 Status instance_unsupported(const Instance *instance, const char *function, const char *reason);
 
 /* Switch logging on or off for the named categories, or for all if none is named. */
-Status instance_set_logging(Instance *instance, const char *function, bool on, size_t count,
-                            const char *const names[]);
+Status instance_set_logging(Instance *instance, const char *function, bool on, size_t count, const char *const names[]);
 
 /* Life cycle; times in s. The stop time is infinite where the host gives none. */
 Status instance_set_up(Instance *instance, const char *function, double start_time, double stop_time);

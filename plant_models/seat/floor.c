@@ -37,8 +37,7 @@ static void next_sample(floor_motion *node, double age, double interval, const s
     }
 }
 
-floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs *inputs, int signals,
-                                 double step_size)
+floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs *inputs, int signals, double step_size)
 {
     const double age = history->age;
     floor_motion node = {history->displacement, history->velocity, history->acceleration};

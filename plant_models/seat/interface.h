@@ -8,11 +8,11 @@ typedef struct {
 } seat_plant_inputs;
 
 typedef struct {
-    double seat_acceleration;                                         /* z_s'' in m/s2 */
-    double suspension_deflection, deflection_rate;                    /* z_s - z_v in m, its rate in m/s */
-    double driver_acceleration;                                       /* z_b'' in m/s2 */
-    double seat_displacement, driver_displacement;                    /* z_s, z_b in m */
-    double friction_force;                                            /* f_r (35) in N, acts on the seat as -f_r */
+    double seat_acceleration;                                          /* z_s'' in m/s2 */
+    double suspension_deflection, deflection_rate;                     /* z_s - z_v in m, its rate in m/s */
+    double driver_acceleration;                                        /* z_b'' in m/s2 */
+    double seat_displacement, driver_displacement;                     /* z_s, z_b in m */
+    double friction_force;                                             /* f_r (35) in N, acts on the seat as -f_r */
     double seat_acceleration_measured, suspension_deflection_measured; /* in m/s2, m */
 } seat_plant_outputs;
 

@@ -44,8 +44,8 @@ static double end_stop_acceleration(double deflection, double rate, double side,
 }
 
 /* Solve (1) for z_s'' in m/s2, without end stops. */
-static double seat_acceleration(double deflection, double rate, double cushion_deflection, double cushion_rate, double z_d,
-                                double force, const coefficients_t *c)
+static double seat_acceleration(double deflection, double rate, double cushion_deflection, double cushion_rate,
+                                double z_d, double force, const coefficients_t *c)
 {
     const double suspension = -c->k_f * deflection - c->c_f * rate - c->alpha * z_d;
     return (suspension + c->k_c * cushion_deflection + c->c_c * cushion_rate + force) * c->per_m_s;
@@ -82,8 +82,8 @@ static accelerations slope(double z_s, double v_s, double z_b, double v_b, doubl
 /* Take one step of classical Runge-Kutta over the four mechanical states, friction in closed form at every stage. The
  * substep begins tau seconds after the begin of the step and has the length h in s. The force in N is linear between
  * its ends. `side` is the end stop that is in contact over the substep. */
-static void substep(masses_t *masses, const floor_motion *motion, double first, double last, double side, double tau, double h,
-                    const coefficients_t *c)
+static void substep(masses_t *masses, const floor_motion *motion, double first, double last, double side, double tau,
+                    double h, const coefficients_t *c)
 {
     const double middle = 0.5 * (first + last);
     const double z_s = masses->seat_displacement, v_s = masses->seat_velocity;
@@ -99,7 +99,8 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
     const accelerations a_3 =
         slope(z_s + half * v_s2, v_s3, z_b + half * v_b2, v_b3, tau + half, z_d, x_0, motion, middle, side, c);
     const double v_s4 = v_s + h * a_3.seat, v_b4 = v_b + h * a_3.driver;
-    const accelerations a_4 = slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h, z_d, x_0, motion, last, side, c);
+    const accelerations a_4 =
+        slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h, z_d, x_0, motion, last, side, c);
     const double sixth = h / 6.0;
     const double z_s_end = z_s + sixth * (v_s + 2.0 * (v_s2 + v_s3) + v_s4);
     const double z_b_end = z_b + sixth * (v_b + 2.0 * (v_b2 + v_b3) + v_b4);
@@ -107,7 +108,7 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
     const double v_b_end = v_b + sixth * (a_1.driver + 2.0 * (a_2.driver + a_3.driver) + a_4.driver);
     const double x_end = z_s_end - floor_displacement_at(motion, tau + h);
     const double z_d_end = friction_through_reversal(z_d, x_0, v_s - floor_velocity_at(motion, tau), x_end,
-                                  v_s_end - floor_velocity_at(motion, tau + h), h, &c->friction);
+                                                     v_s_end - floor_velocity_at(motion, tau + h), h, &c->friction);
     masses->seat_displacement = flush_subnormal(z_s_end);
     masses->seat_velocity = flush_subnormal(v_s_end);
     masses->driver_displacement = flush_subnormal(z_b_end);
@@ -116,8 +117,8 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
 }
 
 /* Evaluate the outputs, without measurements, tau seconds after the begin of the step. */
-static inline void evaluate_outputs(const masses_t *masses, const floor_motion *motion, double force, double tau, const coefficients_t *c,
-                     seat_plant_outputs *outputs)
+static inline void evaluate_outputs(const masses_t *masses, const floor_motion *motion, double force, double tau,
+                                    const coefficients_t *c, seat_plant_outputs *outputs)
 {
     const double deflection = masses->seat_displacement - floor_displacement_at(motion, tau);
     const double rate = masses->seat_velocity - floor_velocity_at(motion, tau);
@@ -163,10 +164,10 @@ static double substep_count(double time, const coefficients_t *c)
     return needed > 1.0 ? needed : 1.0;
 }
 
-/* Take substeps of one length, from a time since the begin of the step on. The force is linear over each from `first` to
- * `last`, and the contact does not change. */
-static void take_substeps(masses_t *masses, const floor_motion *motion, double begin, double h, double count, double first,
-                      double last, double side, const coefficients_t *c)
+/* Take substeps of one length, from a time since the begin of the step on. The force is linear over each from `first`
+ * to `last`, and the contact does not change. */
+static void take_substeps(masses_t *masses, const floor_motion *motion, double begin, double h, double count,
+                          double first, double last, double side, const coefficients_t *c)
 {
     for (double index = 0.0; index < count; index += 1.0) {
         substep(masses, motion, first, last, side, begin + index * h, h, c);
@@ -175,7 +176,8 @@ static void take_substeps(masses_t *masses, const floor_motion *motion, double b
 
 /* Return the time in s until the contact with an end stop begins or ends, infinite for never. Deflection, rate and
  * acceleration are those at the begin of the substep; the acceleration is taken as constant. */
-static double time_to_contact(const seat_plant_outputs *begin, double side, const floor_motion *motion, const coefficients_t *c)
+static double time_to_contact(const seat_plant_outputs *begin, double side, const floor_motion *motion,
+                              const coefficients_t *c)
 {
     const double sign = side != 0.0 ? side : copysign(1.0, begin->deflection_rate);
     const double depth = sign * begin->suspension_deflection - c->x_e;
@@ -190,8 +192,8 @@ static double time_to_contact(const seat_plant_outputs *begin, double side, cons
 }
 
 /* Take a substep, in two parts if a contact with an end stop begins or ends in it: the damper's force jumps there. */
-static void substep_with_contact(masses_t *masses, const floor_motion *motion, double tau, double h, double first, double last,
-                    const coefficients_t *c)
+static void substep_with_contact(masses_t *masses, const floor_motion *motion, double tau, double h, double first,
+                                 double last, const coefficients_t *c)
 {
     double begin = tau, length = h, side = 0.0;
     if (c->x_e < INFINITY) {
@@ -244,7 +246,8 @@ static void integrate_span(state_t *state, const floor_motion *motion, double be
 }
 
 /* Integrate over a step, span by span between the changes that leave the delay line of the actuator. */
-static void integrate_spans(state_t *state, const floor_motion *motion, double time, double step_size, const coefficients_t *c)
+static void integrate_spans(state_t *state, const floor_motion *motion, double time, double step_size,
+                            const coefficients_t *c)
 {
     double begin = 0.0;
     while (begin < step_size) {
@@ -301,7 +304,7 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
     c->actuator = actuator_prepare(p->actuator_force_limit, p->actuator_delay, p->actuator_time_constant);
     c->bandwidth = 2.0 * pi * p->sensor_bandwidth;
     c->single_span = p->actuator_delay == 0.0 && p->actuator_time_constant == 0.0 && p->sensor_bandwidth == 0.0 &&
-                !(p->end_stop_travel > 0.0);
+                     !(p->end_stop_travel > 0.0);
     c->accelerometer =
         sensor_prepare(p->acceleration_noise, p->acceleration_bias, p->acceleration_resolution, p->sensor_seed, 1);
     c->deflection_sensor =
@@ -322,7 +325,7 @@ int seat_plant_is_valid_state(const seat_plant_state *state, const seat_plant_pa
 }
 
 void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inputs,
-                        const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs)
+                           const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs)
 {
     const seat_plant_state rest = {0};
     const floor_motion motion = floor_motion_from_inputs(inputs);
@@ -342,13 +345,15 @@ void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs
                         seat_plant_outputs *outputs)
 {
     const int signals = coefficients->floor_signals;
-    const floor_motion motion = signals == SEAT_PLANT_ALL ? floor_motion_from_inputs(inputs) : floor_derive_motion(&state->floor, inputs, signals, step_size);
+    const floor_motion motion = signals == SEAT_PLANT_ALL
+                                    ? floor_motion_from_inputs(inputs)
+                                    : floor_derive_motion(&state->floor, inputs, signals, step_size);
     const double count = substep_count(step_size, coefficients);
     actuator_command(&state->actuator, inputs->force, &coefficients->actuator, time);
     if (coefficients->single_span && state->actuator.line_length == 0.0) {
         state->actuator.force = state->actuator.target;
-        take_substeps(&state->masses, &motion, 0.0, step_size / count, count, state->actuator.force, state->actuator.force, 0.0,
-                  coefficients);
+        take_substeps(&state->masses, &motion, 0.0, step_size / count, count, state->actuator.force,
+                      state->actuator.force, 0.0, coefficients);
     } else {
         integrate_spans(state, &motion, time, step_size, coefficients);
     }

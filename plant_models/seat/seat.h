@@ -1,5 +1,5 @@
-/* The seat, the C twin of seat.py. No allocation, no globals, no recursion, no input or output. Up is positive; times in
- * s; equation numbers are those of the paper. */
+/* The seat, the C twin of seat.py. No allocation, no globals, no recursion, no input or output. Up is positive; times
+ * in s; equation numbers are those of the paper. */
 #ifndef SEAT_PLANT_H
 #define SEAT_PLANT_H
 

@@ -9,8 +9,8 @@ static const double pi = 3.14159265358979323846;
 
 typedef noise_complex complex_t;
 
-/* Spectrum of the acceleration of a class: orders and corner frequencies in Hz of the Butterworth high-pass and low-pass,
- * level g in (m/s2)2/Hz. */
+/* Spectrum of the acceleration of a class: orders and corner frequencies in Hz of the Butterworth high-pass and
+ * low-pass, level g in (m/s2)2/Hz. */
 typedef struct {
     int high_order;
     double high_corner;
@@ -57,7 +57,8 @@ static double real_part_of_product(complex_t a, complex_t b)
 
 /* ---- modes ------------------------------------------------------------------------------------------------------- */
 
-/* Append the poles of a Butterworth filter with Im >= 0, in rad/s, for a corner frequency in Hz; returns the new count. */
+/* Append the poles of a Butterworth filter with Im >= 0, in rad/s, for a corner frequency in Hz; returns the new count.
+ */
 static int add_butterworth_poles(int order, double corner, complex_t poles[], int count)
 {
     const double omega = 2.0 * pi * corner;
@@ -136,7 +137,8 @@ void noise_advance(double state[], const noise_coefficients *coefficients, uint6
     const double noise = random_normal(stream, (int64_t)tick);
     for (int i = 0; i < coefficients->count; ++i) {
         const noise_mode *mode = &coefficients->modes[i];
-        const complex_t x = advanced(complex_of(state[2 * i], state[2 * i + 1]), mode->transition, mode->input_gain, noise);
+        const complex_t x =
+            advanced(complex_of(state[2 * i], state[2 * i + 1]), mode->transition, mode->input_gain, noise);
         state[2 * i] = x.re;
         state[2 * i + 1] = x.im;
     }

@@ -44,8 +44,8 @@ const char *platform_prepare(const shaker_parameters *p, double tick, platform_c
     return NULL;
 }
 
-/* Return the largest velocity in m/s at the end of a tick from which the platform can brake within the stroke; `room` is
- * the rest of the stroke in m if this velocity is 0. */
+/* Return the largest velocity in m/s at the end of a tick from which the platform can brake within the stroke; `room`
+ * is the rest of the stroke in m if this velocity is 0. */
 static double max_braking_velocity(double room, const platform_coefficients *c)
 {
     const double half = 0.5 * c->braking * c->tick;

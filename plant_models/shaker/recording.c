@@ -169,7 +169,8 @@ static int read_header(reader_t *reader)
     }
     reader->is_acceleration = accelerations > 0;
     return (times == 1 && accelerations + displacements == 1) ||
-           report_error(reader, 1, "expected the columns time and one of acceleration, displacement, got %s", excerpt(header, got));
+           report_error(reader, 1, "expected the columns time and one of acceleration, displacement, got %s",
+                        excerpt(header, got));
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
@@ -226,8 +227,9 @@ static int read_number(const reader_t *reader, slice_t cell, const char *name, d
 {
     char got[MAX_EXCERPT + 1];
     *value = parse_number(cell);
-    return fabs(*value) <= max_magnitude || report_error(reader, reader->line, "expected a number of up to %g either way as %s, got %s",
-                                            max_magnitude, name, excerpt(cell, got));
+    return fabs(*value) <= max_magnitude ||
+           report_error(reader, reader->line, "expected a number of up to %g either way as %s, got %s", max_magnitude,
+                        name, excerpt(cell, got));
 }
 
 /* Read time and value of a line. */
@@ -240,7 +242,8 @@ static int read_row(const reader_t *reader, slice_t line, double *time, double *
         value_cell = column == reader->value_column ? cell : value_cell;
     }
     if (column != reader->columns) {
-        return report_error(reader, reader->line, "expected %lu columns, got %lu", (unsigned long)reader->columns, (unsigned long)column);
+        return report_error(reader, reader->line, "expected %lu columns, got %lu", (unsigned long)reader->columns,
+                            (unsigned long)column);
     }
     return read_number(reader, time_cell, "time", time) &&
            read_number(reader, value_cell, reader->is_acceleration ? "acceleration" : "displacement", value);
@@ -285,8 +288,8 @@ static int read_rows(reader_t *reader, recording_samples *samples)
             return 0;
         }
         if (samples->count > 0 && !(time > samples->times[samples->count - 1])) {
-            return report_error(reader, reader->line, "expected a time above %.10g s, got %.10g s", samples->times[samples->count - 1],
-                         time);
+            return report_error(reader, reader->line, "expected a time above %.10g s, got %.10g s",
+                                samples->times[samples->count - 1], time);
         }
         if (!reserve_row(reader, samples, &room)) {
             return 0;
@@ -311,7 +314,7 @@ static int check_rows(const reader_t *reader, const recording_samples *samples)
 {
     if (samples->count < RECORDING_MIN_ROWS) {
         return report_error(reader, reader->line, "expected at least %d rows, got %lu", (int)RECORDING_MIN_ROWS,
-                     (unsigned long)samples->count);
+                            (unsigned long)samples->count);
     }
     const size_t count = samples->count - 1;
     double *steps = malloc(count * sizeof *steps);
@@ -330,8 +333,9 @@ static int check_rows(const reader_t *reader, const recording_samples *samples)
             return report_error(reader, (long)i + 3, "expected a step of at least %g s, got %.10g s", min_step, step);
         }
         if (step > max_gap * median) {
-            return report_error(reader, (long)i + 3, "expected a step of at most %g times the median of %.10g s, got %.10g s",
-                         max_gap, median, step);
+            return report_error(reader, (long)i + 3,
+                                "expected a step of at most %g times the median of %.10g s, got %.10g s", max_gap,
+                                median, step);
         }
     }
     return 1;

@@ -37,8 +37,8 @@ static void find_curvatures(size_t count, const double x[], const double y[], do
 }
 
 /* Integrate the spline through accelerations twice, from rest. */
-static void integrate_twice(size_t count, const double t[], const double a[], double displacements[], double curvatures[],
-                            double ratios[])
+static void integrate_twice(size_t count, const double t[], const double a[], double displacements[],
+                            double curvatures[], double ratios[])
 {
     double velocity = 0.0, displacement = 0.0;
     find_curvatures(count, t, a, curvatures, ratios);
@@ -52,7 +52,8 @@ static void integrate_twice(size_t count, const double t[], const double a[], do
     }
 }
 
-/* Subtract the best cubic polynomial, one orthogonal polynomial after the other; t begins at 0. Uses four working arrays. */
+/* Subtract the best cubic polynomial, one orthogonal polynomial after the other; t begins at 0. Uses four working
+ * arrays. */
 static void detrend(size_t count, const double t[], double d[], double *const scratch[])
 {
     double *x = scratch[0], *weights = scratch[1], *polynomial = scratch[2], *before = scratch[3];
@@ -93,9 +94,9 @@ static size_t memory_rows(size_t count, const double elapsed[], double corner)
     return rows;
 }
 
-/* Apply the high-pass s^2/(s^2 + sqrt 2 omega s + omega^2) in place, in the order of rising time since its begin: u - sqrt
- * 2 omega Re x with x' = pole x + u. It starts from the steady state under u mirrored at the begin of its trend, over the
- * memory of the filter. Uses five working arrays. */
+/* Apply the high-pass s^2/(s^2 + sqrt 2 omega s + omega^2) in place, in the order of rising time since its begin: u -
+ * sqrt 2 omega Re x with x' = pole x + u. It starts from the steady state under u mirrored at the begin of its trend,
+ * over the memory of the filter. Uses five working arrays. */
 static void high_pass(size_t count, const double elapsed[], double u[], double corner, double *const scratch[])
 {
     const double omega = 2.0 * pi * corner;
@@ -170,7 +171,7 @@ static void find_displacements(const recording_samples *samples, double corner, 
 
 /* Make the spline through samples, in its memory. */
 static void make_spline(const recording_samples *samples, double corner, double fade, replay_spline *spline,
-                       double *const scratch[SCRATCH_ARRAYS])
+                        double *const scratch[SCRATCH_ARRAYS])
 {
     const size_t count = samples->count;
     double *t = spline->memory, *d = t + count, *v = d + count, *a = v + count;

@@ -9,14 +9,14 @@
 /* Motion at the knots; between them the acceleration is linear. */
 typedef struct {
     size_t count;
-    double *times;                                        /* in s, rising from 0 */
-    double *displacements, *velocities, *accelerations;   /* in m, m/s, m/s2 */
-    double *memory;                                       /* holds all four arrays, NULL where there are none */
-    char message[1024];                                   /* what is wrong with the file */
+    double *times;                                      /* in s, rising from 0 */
+    double *displacements, *velocities, *accelerations; /* in m, m/s, m/s2 */
+    double *memory;                                     /* holds all four arrays, NULL where there are none */
+    char message[1024];                                 /* what is wrong with the file */
 } replay_spline;
 
-/* Read a recording and make a motion of it: corner frequency of the high-pass in Hz, 0 for none; duration of the fades in
- * s. Returns NULL, or what is wrong, in the message of the spline; then it holds no memory. */
+/* Read a recording and make a motion of it: corner frequency of the high-pass in Hz, 0 for none; duration of the fades
+ * in s. Returns NULL, or what is wrong, in the message of the spline; then it holds no memory. */
 const char *replay_load(const char *path, double high_pass, double fade, replay_spline *spline);
 
 /* Free the memory of a spline, if there is any. */

@@ -146,7 +146,7 @@ int shaker_is_valid_state(const shaker_state *state, const shaker_parameters *pa
 }
 
 void shaker_initialize(shaker_state *state, const shaker_inputs *inputs, const shaker_coefficients *coefficients,
-                    double time, shaker_outputs *outputs)
+                       double time, shaker_outputs *outputs)
 {
     static const shaker_state rest;
     (void)inputs;

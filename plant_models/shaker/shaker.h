@@ -1,5 +1,5 @@
-/* The shaker, the C twin of shaker.py. No globals, no recursion; memory and files only while a recording is prepared. Up
- * is positive, times are in s. */
+/* The shaker, the C twin of shaker.py. No globals, no recursion; memory and files only while a recording is prepared.
+ * Up is positive, times are in s. */
 #ifndef SHAKER_H
 #define SHAKER_H
 

@@ -24,7 +24,8 @@ static const double pi = 3.14159265358979323846;
 /* A sample is due if its time is reached within this share of the sample time: hosts accumulate rounding errors. */
 static const double sample_tolerance = 1e-3;
 
-/* Largest distance of the next sample from the time that a run has reached, in s; allows for rounding errors of hosts. */
+/* Largest distance of the next sample from the time that a run has reached, in s; allows for rounding errors of hosts.
+ */
 static const double clock_tolerance = 1.0;
 
 /* Return a state, or zero if its magnitude is below 1e-30: arithmetic with subnormal numbers is slow. */
@@ -112,8 +113,7 @@ static void held_outputs(const seat_controller_state *state, const seat_controll
     const real radicand = c->link_squared - height * height;
     outputs->force = state->force;
     outputs->force_demand = state->demand;
-    outputs->motor_torque =
-        radicand > REAL(0.0) ? state->force * square_root(radicand) * c->torque_gain : REAL(0.0);
+    outputs->motor_torque = radicand > REAL(0.0) ? state->force * square_root(radicand) * c->torque_gain : REAL(0.0);
     outputs->disturbance_estimate = state->estimate;
     outputs->deflection_rate = state->rate;
     outputs->saturated = state->demand > state->force || state->demand < state->force;
@@ -142,7 +142,8 @@ static void sample(seat_controller_state *state, const seat_controller_inputs *i
     state->estimate = flush_subnormal(F_hat);
 }
 
-int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters, double time)
+int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters,
+                                   double time)
 {
     return fabs(state->next_sample * (double)parameters->sample_time - time) <= clock_tolerance;
 }
@@ -161,8 +162,8 @@ void seat_controller_step(seat_controller_state *state, const seat_controller_in
 }
 
 void seat_controller_initialize(seat_controller_state *state, const seat_controller_inputs *inputs,
-                             const seat_controller_coefficients *coefficients, double time,
-                             seat_controller_outputs *outputs)
+                                const seat_controller_coefficients *coefficients, double time,
+                                seat_controller_outputs *outputs)
 {
     const seat_controller_outputs zero = {0};
     (void)inputs; /* no sample is taken */

@@ -4,8 +4,8 @@
  * memory belongs to the caller and has a fixed size. Symbols and equation numbers are those of the paper, see
  * NOMENCLATURE.md; the equations are in controller.c. Up is positive, times are in s.
  *
- * Use: fill the parameters, call seat_controller_prepare() once (and again after a change), seat_controller_start(), then
- * seat_controller_step() every sample_time.
+ * Use: fill the parameters, call seat_controller_prepare() once (and again after a change), seat_controller_start(),
+ * then seat_controller_step() every sample_time.
  */
 #ifndef SEAT_CONTROLLER_H
 #define SEAT_CONTROLLER_H
@@ -58,10 +58,10 @@ typedef struct {
 
 /* State after the last sample. */
 typedef struct {
-    double next_sample;              /* number k of the next sample, due at k h; used by seat_controller_advance only */
-    bool started;                    /* whether a sample was taken: before the first one there is no previous deflection */
-    seat_controller_real deflection; /* delta in m */
-    seat_controller_real rate;       /* v in m/s */
+    double next_sample; /* number k of the next sample, due at k h; used by seat_controller_advance only */
+    bool started;       /* whether a sample was taken: before the first one there is no previous deflection */
+    seat_controller_real deflection;              /* delta in m */
+    seat_controller_real rate;                    /* v in m/s */
     seat_controller_real demand, force, estimate; /* u, u_sat and F_hat in N */
 } seat_controller_state;
 
@@ -99,14 +99,17 @@ void seat_controller_step(seat_controller_state *state, const seat_controller_in
 /* The functions below are for simulation, where communication steps differ from samples. */
 
 /* Check that a run that has reached a time can have a state: its next sample is near that time. */
-int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters, double time);
+int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters,
+                                   double time);
 
-/* Set the state at a start time; the first sample is due at the first multiple of h from there on. All outputs are 0. */
+/* Set the state at a start time; the first sample is due at the first multiple of h from there on. All outputs are 0.
+ */
 void seat_controller_initialize(seat_controller_state *state, const seat_controller_inputs *inputs,
-                             const seat_controller_coefficients *coefficients, double time,
-                             seat_controller_outputs *outputs);
+                                const seat_controller_coefficients *coefficients, double time,
+                                seat_controller_outputs *outputs);
 
-/* Take every sample due in [time, time + step_size), all with the same inputs; the outputs are those of the last one. */
+/* Take every sample due in [time, time + step_size), all with the same inputs; the outputs are those of the last one.
+ */
 void seat_controller_advance(seat_controller_state *state, const seat_controller_inputs *inputs,
                              const seat_controller_coefficients *coefficients, double time, double step_size,
                              seat_controller_outputs *outputs);

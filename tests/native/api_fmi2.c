@@ -7,7 +7,7 @@
 #include <string.h>
 
 static void log_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
-                   fmi2String message, ...)
+                        fmi2String message, ...)
 {
     MessageLog *messages = environment;
     va_list arguments;

@@ -14,7 +14,8 @@ static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, 
     snprintf(messages->last, sizeof messages->last, "%s", message);
 }
 
-static Fmu make_with(const char *name, const char *token, bool logging, MessageLog *messages, bool events, size_t updates)
+static Fmu make_with(const char *name, const char *token, bool logging, MessageLog *messages, bool events,
+                     size_t updates)
 {
     const fmi3ValueReference required[1] = {0};
     return fmi3InstantiateCoSimulation(name, token, NULL, false, logging, events, false, required, updates, messages,
@@ -29,7 +30,8 @@ Fmu make(const char *name, const char *token, bool logging, MessageLog *messages
 Fmu make_of_another_kind(MessageLog *messages)
 {
     Fmu me = fmi3InstantiateModelExchange("instance", MODEL_TOKEN, NULL, false, true, messages, log_message);
-    Fmu se = fmi3InstantiateScheduledExecution("instance", MODEL_TOKEN, NULL, false, true, messages, log_message, NULL, NULL, NULL);
+    Fmu se = fmi3InstantiateScheduledExecution("instance", MODEL_TOKEN, NULL, false, true, messages, log_message, NULL,
+                                               NULL, NULL);
     Fmu update = make_with("instance", MODEL_TOKEN, true, messages, false, 1);
     return me != NULL ? me : se != NULL ? se : update;
 }

@@ -10,12 +10,12 @@
 static const Variable variables[VARIABLE_COUNT] = {MODEL_VARIABLES};
 static int failures;
 
-#define CHECK(condition)                                                       \
-    do {                                                                       \
-        if (!(condition)) {                                                    \
-            printf("line %d: %s\n", __LINE__, #condition);                     \
-            ++failures;                                                        \
-        }                                                                      \
+#define CHECK(condition)                                   \
+    do {                                                   \
+        if (!(condition)) {                                \
+            printf("line %d: %s\n", __LINE__, #condition); \
+            ++failures;                                    \
+        }                                                  \
     } while (0)
 
 enum { OK, WARNING, DISCARD, ERROR };
@@ -252,7 +252,8 @@ static void steps_refuse_what_is_wrong_and_leave_everything(void)
     fmu = make_in(INSTANTIATED, &messages);
     CHECK(begin(fmu, NAN) == ERROR && begin(fmu, 1e300) == ERROR && begin(fmu, -5.0) == OK);
     if (INPUT_COUNT > 0) {
-        CHECK(set_one(fmu, FIRST_INPUT, NAN) == OK && get_one(fmu, FIRST_OUTPUT, first) == WARNING && end(fmu) == ERROR);
+        CHECK(set_one(fmu, FIRST_INPUT, NAN) == OK && get_one(fmu, FIRST_OUTPUT, first) == WARNING &&
+              end(fmu) == ERROR);
         CHECK(set_one(fmu, FIRST_INPUT, 0.0) == OK);
     }
     CHECK(end(fmu) == OK && step(fmu, -5.0, h) == OK);
@@ -317,7 +318,8 @@ static void states_continue_bit_identically(unsigned seed)
         }
         CHECK(drive(straight, seed, k, expected) == OK && drive(one, seed, k, found) == OK && same(expected, found));
     }
-    CHECK(free_state(one, &state) == OK && state == NULL && free_state(one, &state) == OK && free_state(one, NULL) == OK);
+    CHECK(free_state(one, &state) == OK && state == NULL && free_state(one, &state) == OK &&
+          free_state(one, NULL) == OK);
     discard(straight);
     discard(one);
     discard(other);

@@ -47,7 +47,8 @@ static int step(Echo *instance, double time, double step_size)
         nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
     }
     for (int i = 0; i < TYPES; ++i) {
-        instance->outputs[i] = instance->inputs[i] < 100.0 ? instance->inputs[i] + 1.0 : 0.0; /* which fits into eight bits */
+        instance->outputs[i] =
+            instance->inputs[i] < 100.0 ? instance->inputs[i] + 1.0 : 0.0; /* which fits into eight bits */
     }
     if (instance->fault == NOT_A_NUMBER && instance->count >= LAST_GOOD_STEP) {
         instance->outputs[0] = NAN;
@@ -64,44 +65,56 @@ static int reset(Echo *instance)
 }
 
 #ifdef FMI2
-#define ACCESS(name, type)                                                                                             \
-    int fmi2Get##name(Echo *instance, const uint32_t *references, size_t count, type *values)                               \
-    {                                                                                                                  \
-        for (size_t i = 0; i < count; ++i) {                                                                           \
-            values[i] = (type)get(instance, references[i]);                                                                  \
-        }                                                                                                              \
-        return status(instance, GETTING);                                                                                    \
-    }                                                                                                                  \
-    int fmi2Set##name(Echo *instance, const uint32_t *references, size_t count, const type *values)                         \
-    {                                                                                                                  \
-        for (size_t i = 0; i < count; ++i) {                                                                           \
-            set(instance, references[i], (double)values[i]);                                                                 \
-        }                                                                                                              \
-        return status(instance, SETTING);                                                                                    \
+#define ACCESS(name, type)                                                                          \
+    int fmi2Get##name(Echo *instance, const uint32_t *references, size_t count, type *values)       \
+    {                                                                                               \
+        for (size_t i = 0; i < count; ++i) {                                                        \
+            values[i] = (type)get(instance, references[i]);                                         \
+        }                                                                                           \
+        return status(instance, GETTING);                                                           \
+    }                                                                                               \
+    int fmi2Set##name(Echo *instance, const uint32_t *references, size_t count, const type *values) \
+    {                                                                                               \
+        for (size_t i = 0; i < count; ++i) {                                                        \
+            set(instance, references[i], (double)values[i]);                                        \
+        }                                                                                           \
+        return status(instance, SETTING);                                                           \
     }
 ACCESS(Real, double)
 ACCESS(Integer, int)
 ACCESS(Boolean, int)
 
-Echo *fmi2Instantiate(void) { return calloc(1, sizeof(Echo)); }
-void fmi2FreeInstance(Echo *instance) { free(instance); }
-int fmi2Reset(Echo *instance) { return reset(instance); }
-int fmi2DoStep(Echo *instance, double time, double step_size, int last) { return (void)last, step(instance, time, step_size); }
+Echo *fmi2Instantiate(void)
+{
+    return calloc(1, sizeof(Echo));
+}
+void fmi2FreeInstance(Echo *instance)
+{
+    free(instance);
+}
+int fmi2Reset(Echo *instance)
+{
+    return reset(instance);
+}
+int fmi2DoStep(Echo *instance, double time, double step_size, int last)
+{
+    return (void)last, step(instance, time, step_size);
+}
 #else
-#define ACCESS(name, type)                                                                                             \
-    int fmi3Get##name(Echo *instance, const uint32_t *references, size_t count, type *values, size_t size)                  \
-    {                                                                                                                  \
-        for (size_t i = 0; i < count && i < size; ++i) {                                                               \
-            values[i] = (type)get(instance, references[i]);                                                                  \
-        }                                                                                                              \
-        return status(instance, GETTING);                                                                                    \
-    }                                                                                                                  \
-    int fmi3Set##name(Echo *instance, const uint32_t *references, size_t count, const type *values, size_t size)            \
-    {                                                                                                                  \
-        for (size_t i = 0; i < count && i < size; ++i) {                                                               \
-            set(instance, references[i], (double)values[i]);                                                                 \
-        }                                                                                                              \
-        return status(instance, SETTING);                                                                                    \
+#define ACCESS(name, type)                                                                                       \
+    int fmi3Get##name(Echo *instance, const uint32_t *references, size_t count, type *values, size_t size)       \
+    {                                                                                                            \
+        for (size_t i = 0; i < count && i < size; ++i) {                                                         \
+            values[i] = (type)get(instance, references[i]);                                                      \
+        }                                                                                                        \
+        return status(instance, GETTING);                                                                        \
+    }                                                                                                            \
+    int fmi3Set##name(Echo *instance, const uint32_t *references, size_t count, const type *values, size_t size) \
+    {                                                                                                            \
+        for (size_t i = 0; i < count && i < size; ++i) {                                                         \
+            set(instance, references[i], (double)values[i]);                                                     \
+        }                                                                                                        \
+        return status(instance, SETTING);                                                                        \
     }
 ACCESS(Float64, double)
 ACCESS(Float32, float)
@@ -115,10 +128,20 @@ ACCESS(Int64, int64_t)
 ACCESS(UInt64, uint64_t)
 ACCESS(Boolean, bool)
 
-Echo *fmi3InstantiateCoSimulation(void) { return calloc(1, sizeof(Echo)); }
-void fmi3FreeInstance(Echo *instance) { free(instance); }
-int fmi3Reset(Echo *instance) { return reset(instance); }
-int fmi3DoStep(Echo *instance, double time, double step_size, bool last, bool *event, bool *end, bool *early, double *reached)
+Echo *fmi3InstantiateCoSimulation(void)
+{
+    return calloc(1, sizeof(Echo));
+}
+void fmi3FreeInstance(Echo *instance)
+{
+    free(instance);
+}
+int fmi3Reset(Echo *instance)
+{
+    return reset(instance);
+}
+int fmi3DoStep(Echo *instance, double time, double step_size, bool last, bool *event, bool *end, bool *early,
+               double *reached)
 {
     const int found = step(instance, time, step_size);
     (void)last;

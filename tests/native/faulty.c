@@ -20,8 +20,26 @@ typedef fmi3Status Status;
 #define F(name) fmi3##name
 #endif
 
-enum { ok, warning, discard, error, fatal, silent_warning, nan_output, ends_early, prints, prints_once, sleeps, segfault,
-       aborts, exits, interrupts, nothing, unresolved, missing };
+enum {
+    ok,
+    warning,
+    discard,
+    error,
+    fatal,
+    silent_warning,
+    nan_output,
+    ends_early,
+    prints,
+    prints_once,
+    sleeps,
+    segfault,
+    aborts,
+    exits,
+    interrupts,
+    nothing,
+    unresolved,
+    missing
+};
 enum { load, instantiate, enter, leave, set, step, get, terminate, reset, release };
 
 enum { TIME, U, Y, STRIKES_AT, VARIABLES };
@@ -64,7 +82,8 @@ extern void nowhere(void);
 static Status strike(const Faulty *instance, int where)
 {
     static volatile int done = 0;
-    if (where != WHERE || ((where == set || where == step || where == get) && instance->values[TIME] < instance->values[STRIKES_AT] - 1e-9))
+    if (where != WHERE || ((where == set || where == step || where == get) &&
+                           instance->values[TIME] < instance->values[STRIKES_AT] - 1e-9))
         return F(OK);
     switch (WHAT) {
     case warning:
@@ -74,25 +93,38 @@ static Status strike(const Faulty *instance, int where)
         if (instance)
             log_message(instance, (Status)WHAT, "out of order");
         return (Status)WHAT;
-    case silent_warning: return F(Warning);
-    case ends_early: return FMI == 2 ? F(Discard) : F(OK);
-    case prints: puts("hello from C"); break;
+    case silent_warning:
+        return F(Warning);
+    case ends_early:
+        return FMI == 2 ? F(Discard) : F(OK);
+    case prints:
+        puts("hello from C");
+        break;
     case prints_once:
         if (!done)
             puts("hello from C\nand more");
         break;
-    case sleeps: sleep(60); break;
-    case segfault: raise(SIGSEGV); break;
-    case aborts: abort();
-    case exits: exit(3);
+    case sleeps:
+        sleep(60);
+        break;
+    case segfault:
+        raise(SIGSEGV);
+        break;
+    case aborts:
+        abort();
+    case exits:
+        exit(3);
     case interrupts:
         if (!done)
             kill(getpid(), SIGINT);
         break;
 #if WHAT == 16
-    case unresolved: nowhere(); break;
+    case unresolved:
+        nowhere();
+        break;
 #endif
-    default: break;
+    default:
+        break;
     }
     done = 1;
     return F(OK);
@@ -165,22 +197,50 @@ static Status life(Faulty *instance, const char *name, int where)
     return strike(instance, where);
 }
 
-/* ---- the functions of the standards; what nobody calls here has no signature either ------------------------------- */
+/* ---- the functions of the standards; what nobody calls here has no signature either -------------------------------
+ */
 
-#define UNUSED(name) int name(void); int name(void) { return 3; }
+#define UNUSED(name) \
+    int name(void);  \
+    int name(void)   \
+    {                \
+        return 3;    \
+    }
 
-Status F(EnterInitializationMode)(void *instance) { return life(instance, "enter", enter); }
-Status F(ExitInitializationMode)(void *instance) { return life(instance, "exit", leave); }
-Status F(Terminate)(void *instance) { return life(instance, "terminate", terminate); }
+Status F(EnterInitializationMode)(void *instance)
+{
+    return life(instance, "enter", enter);
+}
+Status F(ExitInitializationMode)(void *instance)
+{
+    return life(instance, "exit", leave);
+}
+Status F(Terminate)(void *instance)
+{
+    return life(instance, "terminate", terminate);
+}
 #if WHAT != 17
-Status F(Reset)(void *instance) { return life(instance, "reset", reset); }
+Status F(Reset)(void *instance)
+{
+    return life(instance, "reset", reset);
+}
 #endif
-void F(FreeInstance)(void *instance) { life(instance, "free", release); free(instance); }
+void F(FreeInstance)(void *instance)
+{
+    life(instance, "free", release);
+    free(instance);
+}
 
 #if FMI == 2
 
-const char *fmi2GetTypesPlatform(void) { return "default"; }
-const char *fmi2GetVersion(void) { return "2.0"; }
+const char *fmi2GetTypesPlatform(void)
+{
+    return "default";
+}
+const char *fmi2GetVersion(void)
+{
+    return "2.0";
+}
 
 void *fmi2Instantiate(const char *name, fmi2Type type, const char *guid, const char *resources,
                       const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
@@ -220,22 +280,27 @@ Status fmi2GetBooleanStatus(void *instance, fmi2StatusKind kind, fmi2Boolean *va
     return fmi2OK;
 }
 
-UNUSED(fmi2SetDebugLogging) UNUSED(fmi2GetInteger) UNUSED(fmi2GetBoolean) UNUSED(fmi2GetString) UNUSED(fmi2SetInteger)
-UNUSED(fmi2SetBoolean) UNUSED(fmi2SetString) UNUSED(fmi2GetFMUstate) UNUSED(fmi2SetFMUstate) UNUSED(fmi2FreeFMUstate)
-UNUSED(fmi2SerializedFMUstateSize) UNUSED(fmi2SerializeFMUstate) UNUSED(fmi2DeSerializeFMUstate)
-UNUSED(fmi2GetDirectionalDerivative) UNUSED(fmi2EnterEventMode) UNUSED(fmi2NewDiscreteStates)
-UNUSED(fmi2EnterContinuousTimeMode) UNUSED(fmi2CompletedIntegratorStep) UNUSED(fmi2SetTime)
-UNUSED(fmi2SetContinuousStates) UNUSED(fmi2GetDerivatives) UNUSED(fmi2GetEventIndicators)
-UNUSED(fmi2GetContinuousStates) UNUSED(fmi2GetNominalsOfContinuousStates) UNUSED(fmi2SetRealInputDerivatives)
-UNUSED(fmi2GetRealOutputDerivatives) UNUSED(fmi2CancelStep) UNUSED(fmi2GetStatus) UNUSED(fmi2GetRealStatus)
-UNUSED(fmi2GetIntegerStatus) UNUSED(fmi2GetStringStatus)
+UNUSED(fmi2SetDebugLogging)
+UNUSED(fmi2GetInteger) UNUSED(fmi2GetBoolean) UNUSED(fmi2GetString) UNUSED(fmi2SetInteger) UNUSED(fmi2SetBoolean)
+    UNUSED(fmi2SetString) UNUSED(fmi2GetFMUstate) UNUSED(fmi2SetFMUstate) UNUSED(fmi2FreeFMUstate)
+        UNUSED(fmi2SerializedFMUstateSize) UNUSED(fmi2SerializeFMUstate) UNUSED(fmi2DeSerializeFMUstate)
+            UNUSED(fmi2GetDirectionalDerivative) UNUSED(fmi2EnterEventMode) UNUSED(fmi2NewDiscreteStates)
+                UNUSED(fmi2EnterContinuousTimeMode) UNUSED(fmi2CompletedIntegratorStep) UNUSED(fmi2SetTime)
+                    UNUSED(fmi2SetContinuousStates) UNUSED(fmi2GetDerivatives) UNUSED(fmi2GetEventIndicators)
+                        UNUSED(fmi2GetContinuousStates) UNUSED(fmi2GetNominalsOfContinuousStates)
+                            UNUSED(fmi2SetRealInputDerivatives) UNUSED(fmi2GetRealOutputDerivatives)
+                                UNUSED(fmi2CancelStep) UNUSED(fmi2GetStatus) UNUSED(fmi2GetRealStatus)
+                                    UNUSED(fmi2GetIntegerStatus) UNUSED(fmi2GetStringStatus)
 
 #else
 
-const char *fmi3GetVersion(void) { return "3.0"; }
+const char *fmi3GetVersion(void)
+{
+    return "3.0";
+}
 
-void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, bool visible, bool logging,
-                                  bool event_mode, bool early_return, const unsigned *required, size_t n,
+void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, bool visible,
+                                  bool logging, bool event_mode, bool early_return, const unsigned *required, size_t n,
                                   void *environment, fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update)
 {
     (void)token, (void)resources, (void)visible, (void)logging, (void)event_mode, (void)early_return, (void)required;
@@ -269,24 +334,30 @@ Status fmi3DoStep(void *instance, double time, double size, bool no_set_state, b
     return status;
 }
 
-UNUSED(fmi3SetDebugLogging) UNUSED(fmi3InstantiateModelExchange) UNUSED(fmi3InstantiateScheduledExecution)
-UNUSED(fmi3EnterEventMode) UNUSED(fmi3GetFloat32) UNUSED(fmi3GetInt8) UNUSED(fmi3GetUInt8) UNUSED(fmi3GetInt16)
-UNUSED(fmi3GetUInt16) UNUSED(fmi3GetInt32) UNUSED(fmi3GetUInt32) UNUSED(fmi3GetInt64) UNUSED(fmi3GetUInt64)
-UNUSED(fmi3GetBoolean) UNUSED(fmi3GetString) UNUSED(fmi3GetBinary) UNUSED(fmi3GetClock) UNUSED(fmi3SetFloat32)
-UNUSED(fmi3SetInt8) UNUSED(fmi3SetUInt8) UNUSED(fmi3SetInt16) UNUSED(fmi3SetUInt16) UNUSED(fmi3SetInt32)
-UNUSED(fmi3SetUInt32) UNUSED(fmi3SetInt64) UNUSED(fmi3SetUInt64) UNUSED(fmi3SetBoolean) UNUSED(fmi3SetString)
-UNUSED(fmi3SetBinary) UNUSED(fmi3SetClock) UNUSED(fmi3GetNumberOfVariableDependencies)
-UNUSED(fmi3GetVariableDependencies) UNUSED(fmi3GetFMUState) UNUSED(fmi3SetFMUState) UNUSED(fmi3FreeFMUState)
-UNUSED(fmi3SerializedFMUStateSize) UNUSED(fmi3SerializeFMUState) UNUSED(fmi3DeserializeFMUState)
-UNUSED(fmi3GetDirectionalDerivative) UNUSED(fmi3GetAdjointDerivative) UNUSED(fmi3EnterConfigurationMode)
-UNUSED(fmi3ExitConfigurationMode) UNUSED(fmi3GetIntervalDecimal) UNUSED(fmi3GetIntervalFraction)
-UNUSED(fmi3GetShiftDecimal) UNUSED(fmi3GetShiftFraction) UNUSED(fmi3SetIntervalDecimal)
-UNUSED(fmi3SetIntervalFraction) UNUSED(fmi3SetShiftDecimal) UNUSED(fmi3SetShiftFraction)
-UNUSED(fmi3EvaluateDiscreteStates) UNUSED(fmi3UpdateDiscreteStates) UNUSED(fmi3EnterContinuousTimeMode)
-UNUSED(fmi3CompletedIntegratorStep) UNUSED(fmi3SetTime) UNUSED(fmi3SetContinuousStates)
-UNUSED(fmi3GetContinuousStateDerivatives) UNUSED(fmi3GetEventIndicators) UNUSED(fmi3GetContinuousStates)
-UNUSED(fmi3GetNominalsOfContinuousStates) UNUSED(fmi3GetNumberOfEventIndicators)
-UNUSED(fmi3GetNumberOfContinuousStates) UNUSED(fmi3EnterStepMode) UNUSED(fmi3GetOutputDerivatives)
-UNUSED(fmi3ActivateModelPartition)
+UNUSED(fmi3SetDebugLogging)
+UNUSED(fmi3InstantiateModelExchange) UNUSED(fmi3InstantiateScheduledExecution) UNUSED(fmi3EnterEventMode) UNUSED(
+    fmi3GetFloat32) UNUSED(fmi3GetInt8) UNUSED(fmi3GetUInt8) UNUSED(fmi3GetInt16) UNUSED(fmi3GetUInt16)
+    UNUSED(fmi3GetInt32) UNUSED(fmi3GetUInt32) UNUSED(fmi3GetInt64) UNUSED(fmi3GetUInt64) UNUSED(fmi3GetBoolean) UNUSED(
+        fmi3GetString) UNUSED(fmi3GetBinary) UNUSED(fmi3GetClock) UNUSED(fmi3SetFloat32) UNUSED(fmi3SetInt8)
+        UNUSED(fmi3SetUInt8) UNUSED(fmi3SetInt16) UNUSED(fmi3SetUInt16) UNUSED(fmi3SetInt32) UNUSED(
+            fmi3SetUInt32) UNUSED(fmi3SetInt64) UNUSED(fmi3SetUInt64) UNUSED(fmi3SetBoolean) UNUSED(fmi3SetString)
+            UNUSED(fmi3SetBinary) UNUSED(fmi3SetClock) UNUSED(fmi3GetNumberOfVariableDependencies) UNUSED(
+                fmi3GetVariableDependencies) UNUSED(fmi3GetFMUState) UNUSED(fmi3SetFMUState) UNUSED(fmi3FreeFMUState)
+                UNUSED(fmi3SerializedFMUStateSize) UNUSED(fmi3SerializeFMUState) UNUSED(fmi3DeserializeFMUState) UNUSED(
+                    fmi3GetDirectionalDerivative) UNUSED(fmi3GetAdjointDerivative) UNUSED(fmi3EnterConfigurationMode)
+                    UNUSED(fmi3ExitConfigurationMode) UNUSED(fmi3GetIntervalDecimal) UNUSED(fmi3GetIntervalFraction)
+                        UNUSED(fmi3GetShiftDecimal) UNUSED(fmi3GetShiftFraction) UNUSED(fmi3SetIntervalDecimal)
+                            UNUSED(fmi3SetIntervalFraction) UNUSED(fmi3SetShiftDecimal) UNUSED(fmi3SetShiftFraction)
+                                UNUSED(fmi3EvaluateDiscreteStates) UNUSED(fmi3UpdateDiscreteStates)
+                                    UNUSED(fmi3EnterContinuousTimeMode) UNUSED(fmi3CompletedIntegratorStep)
+                                        UNUSED(fmi3SetTime) UNUSED(fmi3SetContinuousStates)
+                                            UNUSED(fmi3GetContinuousStateDerivatives) UNUSED(fmi3GetEventIndicators)
+                                                UNUSED(fmi3GetContinuousStates)
+                                                    UNUSED(fmi3GetNominalsOfContinuousStates)
+                                                        UNUSED(fmi3GetNumberOfEventIndicators)
+                                                            UNUSED(fmi3GetNumberOfContinuousStates)
+                                                                UNUSED(fmi3EnterStepMode)
+                                                                    UNUSED(fmi3GetOutputDerivatives)
+                                                                        UNUSED(fmi3ActivateModelPartition)
 
 #endif

@@ -1,5 +1,5 @@
-/* A small host: the bump with three FMI 2.0 FMUs in the order controller, seat, shaker. Prints the driver's acceleration
- * at every communication point. Libraries, GUIDs and value references stand in ports.h. */
+/* A small host: the bump with three FMI 2.0 FMUs in the order controller, seat, shaker. Prints the driver's
+ * acceleration at every communication point. Libraries, GUIDs and value references stand in ports.h. */
 #include "fmi2Functions.h"
 #include "ports.h"
 
@@ -41,7 +41,7 @@ static Function find(const char *library, const char *name)
 }
 
 static void log_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
-                fmi2String message, ...)
+                        fmi2String message, ...)
 {
     (void)environment, (void)status, (void)category;
     printf("%s: %s\n", name, message);
@@ -84,7 +84,8 @@ int main(void)
                                             Shaker_floor_acceleration};
     const fmi2ValueReference floor_in[] = {SeatPlant_floor_displacement, SeatPlant_floor_velocity,
                                            SeatPlant_floor_acceleration};
-    const fmi2ValueReference sensed[] = {SeatPlant_seat_acceleration_measured, SeatPlant_suspension_deflection_measured};
+    const fmi2ValueReference sensed[] = {SeatPlant_seat_acceleration_measured,
+                                         SeatPlant_suspension_deflection_measured};
     const fmi2ValueReference felt[] = {SeatController_seat_acceleration, SeatController_suspension_deflection};
     const fmi2ValueReference force_out[] = {SeatController_force}, force_in[] = {SeatPlant_force};
     const fmi2ValueReference driver[] = {SeatPlant_driver_acceleration};

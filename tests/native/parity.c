@@ -34,7 +34,7 @@ int parity_advance(size_t count, double *values, double *states, const double *t
 
 /* The same for the start of a run. */
 int parity_initialize(size_t count, double *values, double *states, const double *times, const double *steps,
-                   unsigned char *refused)
+                      unsigned char *refused)
 {
     int refusals = 0;
     (void)steps;

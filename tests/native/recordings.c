@@ -1,6 +1,6 @@
-/* Loads recordings by the paths on the standard input, one a line. Prints what is wrong with each, or its motion at some
- * times: displacement, velocity and acceleration. Corner frequency, fade and, if it is not C, the locale to load them in
- * come from the command line. Each answer is there before the next path is read. */
+/* Loads recordings by the paths on the standard input, one a line. Prints what is wrong with each, or its motion at
+ * some times: displacement, velocity and acceleration. Corner frequency, fade and, if it is not C, the locale to load
+ * them in come from the command line. Each answer is there before the next path is read. */
 #include "replay.h"
 
 #include <locale.h>

@@ -155,7 +155,8 @@ static Model *make(const char *name, const char *token, const char *resources)
         return NULL;
     Model *instance = calloc(1, sizeof *instance);
     snprintf(instance->name, TEXT, "%s", name);
-    snprintf(instance->resources, sizeof instance->resources, "%s", strncmp(resources, "file://", 7) ? resources : resources + 7);
+    snprintf(instance->resources, sizeof instance->resources, "%s",
+             strncmp(resources, "file://", 7) ? resources : resources + 7);
     instance->stair = model == 2;
     start_values(instance);
     leave_behind(instance);
@@ -311,22 +312,31 @@ static Status from_bytes(const void *bytes, size_t size, void **state)
     return F(OK);
 }
 
-#define EACH                                                                                                           \
-    for (size_t i = 0; i < n; i++) {                                                                                   \
-        const Status status = set_number(instance, references[i], (double)values[i]);                                        \
-        if (status != F(OK))                                                                                           \
-            return status;                                                                                             \
+#define EACH                                                                          \
+    for (size_t i = 0; i < n; i++) {                                                  \
+        const Status status = set_number(instance, references[i], (double)values[i]); \
+        if (status != F(OK))                                                          \
+            return status;                                                            \
     }
 
-#define UNUSED(name)                                                                                                   \
-    Status name(void) { return F(Error); }
+#define UNUSED(name)     \
+    Status name(void)    \
+    {                    \
+        return F(Error); \
+    }
 
 /* ---- FMI 2 ------------------------------------------------------------------------------------------------------- */
 
 #if FMI == 2
 
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return faulty("version") ? "1.0" : "2.0"; }
+const char *fmi2GetTypesPlatform(void)
+{
+    return fmi2TypesPlatform;
+}
+const char *fmi2GetVersion(void)
+{
+    return faulty("version") ? "1.0" : "2.0";
+}
 
 void *fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String resources,
                       const fmi2CallbackFunctions *host, fmi2Boolean visible, fmi2Boolean logging)
@@ -340,7 +350,10 @@ void *fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2Stri
     return instance;
 }
 
-void fmi2FreeInstance(void *instance) { release(instance); }
+void fmi2FreeInstance(void *instance)
+{
+    release(instance);
+}
 
 Status fmi2SetDebugLogging(void *instance, fmi2Boolean on, size_t n, const fmi2String categories[])
 {
@@ -366,9 +379,18 @@ Status fmi2EnterInitializationMode(void *c)
     return enter(instance, instance->state.numbers[TIME], instance->stop_time);
 }
 
-Status fmi2ExitInitializationMode(void *instance) { return leave(instance); }
-Status fmi2Terminate(void *instance) { return terminate(instance); }
-Status fmi2Reset(void *instance) { return reset(instance); }
+Status fmi2ExitInitializationMode(void *instance)
+{
+    return leave(instance);
+}
+Status fmi2Terminate(void *instance)
+{
+    return terminate(instance);
+}
+Status fmi2Reset(void *instance)
+{
+    return reset(instance);
+}
 
 Status fmi2DoStep(void *c, fmi2Real time, fmi2Real size, fmi2Boolean no_set_state)
 {
@@ -384,19 +406,18 @@ Status fmi2GetBooleanStatus(void *c, const fmi2StatusKind kind, fmi2Boolean *val
     return fmi2OK;
 }
 
-#define ACCESS(name, type)                                                                                             \
-    Status fmi2Get##name(void *c, const fmi2ValueReference *references, size_t n, type *values)                        \
-    {                                                                                                                  \
-        const Model *instance = c;                                                                                           \
-        for (size_t i = 0; i < n; i++)                                                                                 \
-            values[i] = (type)instance->state.numbers[references[i]];                                                        \
-        return fmi2OK;                                                                                                 \
-    }                                                                                                                  \
-    Status fmi2Set##name(void *c, const fmi2ValueReference *references, size_t n, const type *values)                  \
-    {                                                                                                                  \
-        Model *instance = c;                                                                                                 \
-        EACH                                                                                                           \
-        return fmi2OK;                                                                                                 \
+#define ACCESS(name, type)                                                                            \
+    Status fmi2Get##name(void *c, const fmi2ValueReference *references, size_t n, type *values)       \
+    {                                                                                                 \
+        const Model *instance = c;                                                                    \
+        for (size_t i = 0; i < n; i++)                                                                \
+            values[i] = (type)instance->state.numbers[references[i]];                                 \
+        return fmi2OK;                                                                                \
+    }                                                                                                 \
+    Status fmi2Set##name(void *c, const fmi2ValueReference *references, size_t n, const type *values) \
+    {                                                                                                 \
+        Model *instance = c;                                                                          \
+        EACH return fmi2OK;                                                                           \
     }
 
 ACCESS(Real, fmi2Real)
@@ -419,9 +440,18 @@ Status fmi2SetString(void *c, const fmi2ValueReference *references, size_t n, co
     return fmi2OK;
 }
 
-Status fmi2GetFMUstate(void *instance, fmi2FMUstate *state) { return get_state(instance, state); }
-Status fmi2SetFMUstate(void *instance, fmi2FMUstate state) { return set_state(instance, state); }
-Status fmi2FreeFMUstate(void *instance, fmi2FMUstate *state) { return (void)instance, free_state(state); }
+Status fmi2GetFMUstate(void *instance, fmi2FMUstate *state)
+{
+    return get_state(instance, state);
+}
+Status fmi2SetFMUstate(void *instance, fmi2FMUstate state)
+{
+    return set_state(instance, state);
+}
+Status fmi2FreeFMUstate(void *instance, fmi2FMUstate *state)
+{
+    return (void)instance, free_state(state);
+}
 Status fmi2SerializedFMUstateSize(void *instance, fmi2FMUstate state, size_t *size)
 {
     (void)instance, (void)state;
@@ -438,15 +468,18 @@ Status fmi2DeSerializeFMUstate(void *instance, const fmi2Byte *bytes, size_t siz
     return from_bytes(bytes, size, state);
 }
 
-UNUSED(fmi2GetDirectionalDerivative) UNUSED(fmi2SetRealInputDerivatives) UNUSED(fmi2GetRealOutputDerivatives)
-UNUSED(fmi2CancelStep) UNUSED(fmi2GetStatus) UNUSED(fmi2GetRealStatus) UNUSED(fmi2GetIntegerStatus)
-UNUSED(fmi2GetStringStatus)
+UNUSED(fmi2GetDirectionalDerivative)
+UNUSED(fmi2SetRealInputDerivatives) UNUSED(fmi2GetRealOutputDerivatives) UNUSED(fmi2CancelStep) UNUSED(fmi2GetStatus)
+    UNUSED(fmi2GetRealStatus) UNUSED(fmi2GetIntegerStatus) UNUSED(fmi2GetStringStatus)
 
 /* ---- FMI 3 ------------------------------------------------------------------------------------------------------- */
 
 #else
 
-const char *fmi3GetVersion(void) { return faulty("version") ? "2.0" : "3.0"; }
+const char *fmi3GetVersion(void)
+{
+    return faulty("version") ? "2.0" : "3.0";
+}
 
 void *fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, bool visible, bool logging,
                                   bool event_mode, bool early_return, const fmi3ValueReference required[], size_t n,
@@ -461,7 +494,10 @@ void *fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String 
     return instance;
 }
 
-void fmi3FreeInstance(void *instance) { release(instance); }
+void fmi3FreeInstance(void *instance)
+{
+    release(instance);
+}
 
 Status fmi3SetDebugLogging(void *instance, bool on, size_t n, const fmi3String categories[])
 {
@@ -469,15 +505,25 @@ Status fmi3SetDebugLogging(void *instance, bool on, size_t n, const fmi3String c
     return n && faulty("logging") ? fail(instance, "no such category") : fmi3OK;
 }
 
-Status fmi3EnterInitializationMode(void *instance, bool tolerant, double tolerance, double start, bool stops, double stop)
+Status fmi3EnterInitializationMode(void *instance, bool tolerant, double tolerance, double start, bool stops,
+                                   double stop)
 {
     (void)tolerant, (void)tolerance;
     return enter(instance, start, stops ? stop : INFINITY);
 }
 
-Status fmi3ExitInitializationMode(void *instance) { return leave(instance); }
-Status fmi3Terminate(void *instance) { return terminate(instance); }
-Status fmi3Reset(void *instance) { return reset(instance); }
+Status fmi3ExitInitializationMode(void *instance)
+{
+    return leave(instance);
+}
+Status fmi3Terminate(void *instance)
+{
+    return terminate(instance);
+}
+Status fmi3Reset(void *instance)
+{
+    return reset(instance);
+}
 
 Status fmi3DoStep(void *c, double time, double size, bool no_set_state, bool *event, bool *ends, bool *early,
                   double *reached)
@@ -492,26 +538,25 @@ Status fmi3DoStep(void *c, double time, double size, bool no_set_state, bool *ev
 }
 
 /* Value reference 36 is an array of two numbers: the input 10 and its opposite. */
-#define ACCESS(name, type)                                                                                             \
-    Status fmi3Get##name(void *c, const fmi3ValueReference *references, size_t n, type *values, size_t count)          \
-    {                                                                                                                  \
-        const Model *instance = c;                                                                                           \
-        size_t at = 0;                                                                                                 \
-        for (size_t i = 0; i < n; i++) {                                                                               \
-            if (at >= count)                                                                                           \
-                return fail(instance, "get: too few values");                                                                \
-            values[at++] = (type)instance->state.numbers[references[i] == 36 ? 10 : references[i]];                          \
-            if (references[i] == 36)                                                                                   \
-                values[at++] = (type)-instance->state.numbers[10];                                                           \
-        }                                                                                                              \
-        return at == count ? fmi3OK : fail(instance, "get: too many values");                                                \
-    }                                                                                                                  \
-    Status fmi3Set##name(void *c, const fmi3ValueReference *references, size_t n, const type *values, size_t count)    \
-    {                                                                                                                  \
-        Model *instance = c;                                                                                                 \
-        (void)count;                                                                                                   \
-        EACH                                                                                                           \
-        return fmi3OK;                                                                                                 \
+#define ACCESS(name, type)                                                                                          \
+    Status fmi3Get##name(void *c, const fmi3ValueReference *references, size_t n, type *values, size_t count)       \
+    {                                                                                                               \
+        const Model *instance = c;                                                                                  \
+        size_t at = 0;                                                                                              \
+        for (size_t i = 0; i < n; i++) {                                                                            \
+            if (at >= count)                                                                                        \
+                return fail(instance, "get: too few values");                                                       \
+            values[at++] = (type)instance->state.numbers[references[i] == 36 ? 10 : references[i]];                 \
+            if (references[i] == 36)                                                                                \
+                values[at++] = (type) - instance->state.numbers[10];                                                \
+        }                                                                                                           \
+        return at == count ? fmi3OK : fail(instance, "get: too many values");                                       \
+    }                                                                                                               \
+    Status fmi3Set##name(void *c, const fmi3ValueReference *references, size_t n, const type *values, size_t count) \
+    {                                                                                                               \
+        Model *instance = c;                                                                                        \
+        (void)count;                                                                                                \
+        EACH return fmi3OK;                                                                                         \
     }
 
 ACCESS(Float64, double)
@@ -553,9 +598,18 @@ Status fmi3GetBinary(void *c, const fmi3ValueReference *references, size_t n, si
     return fmi3OK;
 }
 
-Status fmi3GetFMUState(void *instance, fmi3FMUState *state) { return get_state(instance, state); }
-Status fmi3SetFMUState(void *instance, fmi3FMUState state) { return set_state(instance, state); }
-Status fmi3FreeFMUState(void *instance, fmi3FMUState *state) { return (void)instance, free_state(state); }
+Status fmi3GetFMUState(void *instance, fmi3FMUState *state)
+{
+    return get_state(instance, state);
+}
+Status fmi3SetFMUState(void *instance, fmi3FMUState state)
+{
+    return set_state(instance, state);
+}
+Status fmi3FreeFMUState(void *instance, fmi3FMUState *state)
+{
+    return (void)instance, free_state(state);
+}
 Status fmi3SerializedFMUStateSize(void *instance, fmi3FMUState state, size_t *size)
 {
     (void)instance, (void)state;
@@ -572,17 +626,19 @@ Status fmi3DeserializeFMUState(void *instance, const fmi3Byte *bytes, size_t siz
     return from_bytes(bytes, size, state);
 }
 
-UNUSED(fmi3InstantiateModelExchange) UNUSED(fmi3InstantiateScheduledExecution) UNUSED(fmi3EnterEventMode)
-UNUSED(fmi3GetClock) UNUSED(fmi3SetBinary) UNUSED(fmi3SetClock) UNUSED(fmi3GetNumberOfVariableDependencies)
-UNUSED(fmi3GetVariableDependencies) UNUSED(fmi3GetDirectionalDerivative) UNUSED(fmi3GetAdjointDerivative)
-UNUSED(fmi3EnterConfigurationMode) UNUSED(fmi3ExitConfigurationMode) UNUSED(fmi3GetIntervalDecimal)
-UNUSED(fmi3GetIntervalFraction) UNUSED(fmi3GetShiftDecimal) UNUSED(fmi3GetShiftFraction)
-UNUSED(fmi3SetIntervalDecimal) UNUSED(fmi3SetIntervalFraction) UNUSED(fmi3SetShiftDecimal)
-UNUSED(fmi3SetShiftFraction) UNUSED(fmi3EvaluateDiscreteStates) UNUSED(fmi3UpdateDiscreteStates)
-UNUSED(fmi3EnterContinuousTimeMode) UNUSED(fmi3CompletedIntegratorStep) UNUSED(fmi3SetTime)
-UNUSED(fmi3SetContinuousStates) UNUSED(fmi3GetContinuousStateDerivatives) UNUSED(fmi3GetEventIndicators)
-UNUSED(fmi3GetContinuousStates) UNUSED(fmi3GetNominalsOfContinuousStates) UNUSED(fmi3GetNumberOfEventIndicators)
-UNUSED(fmi3GetNumberOfContinuousStates) UNUSED(fmi3EnterStepMode) UNUSED(fmi3GetOutputDerivatives)
-UNUSED(fmi3ActivateModelPartition)
+UNUSED(fmi3InstantiateModelExchange)
+UNUSED(fmi3InstantiateScheduledExecution) UNUSED(fmi3EnterEventMode) UNUSED(fmi3GetClock) UNUSED(fmi3SetBinary)
+    UNUSED(fmi3SetClock) UNUSED(fmi3GetNumberOfVariableDependencies) UNUSED(fmi3GetVariableDependencies)
+        UNUSED(fmi3GetDirectionalDerivative) UNUSED(fmi3GetAdjointDerivative) UNUSED(fmi3EnterConfigurationMode)
+            UNUSED(fmi3ExitConfigurationMode) UNUSED(fmi3GetIntervalDecimal) UNUSED(fmi3GetIntervalFraction)
+                UNUSED(fmi3GetShiftDecimal) UNUSED(fmi3GetShiftFraction) UNUSED(fmi3SetIntervalDecimal)
+                    UNUSED(fmi3SetIntervalFraction) UNUSED(fmi3SetShiftDecimal) UNUSED(fmi3SetShiftFraction)
+                        UNUSED(fmi3EvaluateDiscreteStates) UNUSED(fmi3UpdateDiscreteStates)
+                            UNUSED(fmi3EnterContinuousTimeMode) UNUSED(fmi3CompletedIntegratorStep) UNUSED(fmi3SetTime)
+                                UNUSED(fmi3SetContinuousStates) UNUSED(fmi3GetContinuousStateDerivatives)
+                                    UNUSED(fmi3GetEventIndicators) UNUSED(fmi3GetContinuousStates)
+                                        UNUSED(fmi3GetNominalsOfContinuousStates) UNUSED(fmi3GetNumberOfEventIndicators)
+                                            UNUSED(fmi3GetNumberOfContinuousStates) UNUSED(fmi3EnterStepMode)
+                                                UNUSED(fmi3GetOutputDerivatives) UNUSED(fmi3ActivateModelPartition)
 
 #endif

@@ -1,5 +1,6 @@
-/* A recording's memory through the life of instances: prepared anew, refused, saved, restored, reset, freed in any state.
- * Takes the paths of a good and of a wrong file; a sanitizer looks for leaks. Returns the number of the line that failed. */
+/* A recording's memory through the life of instances: prepared anew, refused, saved, restored, reset, freed in any
+ * state. Takes the paths of a good and of a wrong file; a sanitizer looks for leaks. Returns the number of the line
+ * that failed. */
 #include "api.h"
 
 #include <string.h>
