@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plant_models.seat.friction import bouc_wen
+from plant_models.seat import friction
 from plant_models.seat.interface import Parameters
 
 
@@ -14,4 +14,6 @@ def nominal_seat(driver_mass: float) -> Parameters:
 def friction_force() -> float:
     """Return the plateau of the seat's friction (35)-(36), in N."""
     seat = Parameters()
-    return seat.friction_alpha * bouc_wen(seat.friction_gamma, seat.friction_beta, seat.friction_amplitude).plateau
+    return (
+        seat.friction_alpha * friction.prepare(seat.friction_gamma, seat.friction_beta, seat.friction_amplitude).plateau
+    )

@@ -18,7 +18,7 @@ from seat_cosim.cli.console import console, progress_shown
 if TYPE_CHECKING:
     from seat_controller_fmu.design.certificate import Certificate
     from seat_controller_fmu.design.gains import Gains
-    from seat_controller_fmu.design.tradeoff import Judge, Judged
+    from seat_controller_fmu.design.tradeoff import TradeOffCriteria, TradeOffPoint
 
 _MASSES_SHOWN = (45.0, 55.0, 80.0, 120.0)
 _SCALES = (0.5, 0.7, 0.85, 1.0, 1.1, 1.25, 1.5)
@@ -169,11 +169,11 @@ def _write(gains: Gains, folder: Path, *, survey: bool) -> None:
     _draw_delay_margin(gains, folder / "delay_margin.png")
     if survey:
         from seat_controller_fmu.design.gains import preset
-        from seat_controller_fmu.design.tradeoff import Judge
+        from seat_controller_fmu.design.tradeoff import TradeOffCriteria
         from seat_controller_fmu.design.tradeoff import survey as surveyed
         from seat_cosim.nominal_seat import friction_force, nominal_seat
 
-        judge = Judge.against(preset("published"), nominal_seat, friction_force())
+        judge = TradeOffCriteria.relative_to(preset("published"), nominal_seat, friction_force())
         with progress_shown("survey of observer and state feedback") as report:
             sets = surveyed(gains, judge, _SCALES, _FOLLOWS, lambda share: report(f"{share:.0%}"))
         _draw_pareto(gains, sets, judge, folder / "pareto.png")
@@ -217,7 +217,7 @@ def _draw_delay_margin(gains: Gains, path: Path) -> None:
     draw(path, "Extra delay the sampled loop survives", [panel], "Driver mass (kg)")
 
 
-def _draw_pareto(gains: Gains, sets: list[Judged], judge: Judge, path: Path) -> None:
+def _draw_pareto(gains: Gains, sets: list[TradeOffPoint], judge: TradeOffCriteria, path: Path) -> None:
     from seat_controller_fmu.design.gains import preset
     from seat_controller_fmu.design.tradeoff import front
     from seat_cosim.plotting import Panel, draw
@@ -229,7 +229,7 @@ def _draw_pareto(gains: Gains, sets: list[Judged], judge: Judge, path: Path) -> 
         curves.append(_points(f"$f_x$ = {follow:g} Hz", of_one, {"color": f"C{i}", "marker": "o", "linewidth": 0.8}))
     curves.append(_points("Pareto front", front(sets), {"color": "0.2", "linewidth": 3.0, "alpha": 0.25}))
     for name, found, marker in (("published", published, "s"), ("these gains", gains, "*")):
-        judged = judge.judge(found, 1.0, 0.0)
+        judged = judge.rate(found, 1.0, 0.0)
         curves.append(_points(name, [judged], {"color": "k", "marker": marker, "markersize": 11, "linestyle": "none"}))
     widest = max(s.margin for s in sets if np.isfinite(s.margin))
     panel = Panel(
@@ -239,7 +239,7 @@ def _draw_pareto(gains: Gains, sets: list[Judged], judge: Judge, path: Path) -> 
     draw(path, title, [panel], "Smallest delay margin over 45-120 kg (ms)")
 
 
-def _points(name: str, sets: list[Judged], style: dict[str, Any]) -> Any:
+def _points(name: str, sets: list[TradeOffPoint], style: dict[str, Any]) -> Any:
     from seat_cosim.plotting import Curve
 
     return Curve(name, np.array([s.rms for s in sets]), style, np.array([s.margin for s in sets]))
