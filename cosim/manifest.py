@@ -14,8 +14,9 @@ from cosim.engine.run_options import CheckedRun, RunOptions
 from cosim.engine.structure import Algorithm, Structure
 from cosim.errors import SetupError
 from cosim.fmi.archive import is_file
-from cosim.fmi.description import KINDS, ModelDescription
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.isolated import TIME_LIMIT
+from cosim.fmi.variable_types import KINDS
 from cosim.json_data import dump, load
 from cosim.results.file_sink import FileSink
 from cosim.results.formats import FORMATS

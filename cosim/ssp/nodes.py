@@ -9,7 +9,8 @@ from fmpy.model_description import ModelVariable
 
 from cosim.engine.structure import Structure
 from cosim.errors import SetupError, did_you_mean
-from cosim.fmi.description import KINDS, ModelDescription
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.variable_types import KINDS
 from cosim.ssp import ssd
 from cosim.ssp.package import Package
 from cosim.ssp.quantities import defined

@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
 from cosim.errors import SetupError
-from cosim.fmi.archive import is_file, leaves, open_archive
+from cosim.fmi.archive import is_file, is_unsafe_path, open_archive
 from cosim.fmi.description import ModelDescription
 
 DESCRIPTION = "SystemStructure.ssd"
@@ -128,7 +128,7 @@ class Package:
         """Find the file that a URI names."""
         parts = urlsplit(uri)
         name = unquote(parts.path)
-        if parts.scheme or parts.netloc or parts.query or parts.fragment or not name or leaves(name):
+        if parts.scheme or parts.netloc or parts.query or parts.fragment or not name or is_unsafe_path(name):
             raise SetupError(f"{self.where}: expected a source in the folder of the description, got {uri!r}")
         return str(PurePosixPath(name))
 

@@ -10,7 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cosim.errors import SetupError
-from cosim.fmi.description import KINDS, ModelDescription, Value
+from cosim.fmi.description import ModelDescription, Value
+from cosim.fmi.variable_types import KINDS
 from cosim.ssp.ssv import Given, Transformation
 from cosim.units import IDENTITY, Linear, Unit, conversion
 

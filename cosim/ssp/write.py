@@ -10,7 +10,8 @@ from urllib.parse import quote
 from fmpy.model_description import ModelVariable
 
 from cosim.engine.structure import Connection, Structure, VariableRef
-from cosim.fmi.description import KINDS, ModelDescription, Value
+from cosim.fmi.description import ModelDescription, Value
+from cosim.fmi.variable_types import KINDS
 from cosim.ssp import ssd, ssv
 from cosim.ssp.nodes import connector_kind
 from cosim.ssp.package import DESCRIPTION

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cosim.fmi.description import KINDS, ModelDescription
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.variable_types import KINDS
 from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME
 from fmus.export.native_fmu import STANDARDS, source_files
 from seat_cosim.components import COMPONENTS
