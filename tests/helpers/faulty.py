@@ -69,7 +69,8 @@ def faulty_fmu(folder: Path, fault: str = "ok", call: str = "step", fmi: int = 2
     fault
         One of :data:`FAULTS`.
     call
-        Call in which the fault occurs, one of :data:`CALLS`; in steps, from the time of the parameter ``strikes_at`` on.
+        Call in which the fault occurs, one of :data:`CALLS`; in steps, from the time of the parameter ``strikes_at``
+        on.
     fmi
         Major version of FMI.
 

@@ -129,6 +129,18 @@ DESCRIPTIONS = [
     ("variables.types", "feedthrough", 3, ('<Item name="two" value="2"/>', '<Item name="two" value="1"/>'), "1, 1"),
     ("variables.units", "dahlquist", 2, ('unit="1/s"', 'unit="furlong"'), "got furlong, which does not exist"),
     ("variables.units", "dahlquist", 3, ('unit="m" ', 'unit="m" displayUnit="ell" '), "display unit of m, got ell"),
+    (
+        "variables.units",
+        "dahlquist",
+        2,
+        (
+            "<LogCategories>",
+            '<TypeDefinitions><SimpleType name="L"><Real unit="ell"/></SimpleType></TypeDefinitions><LogCategories>',
+            'unit="m" start',
+            'declaredType="L" displayUnit="mm" start',
+        ),
+        "type L: expected a unit of UnitDefinitions, got ell",
+    ),
     ("variables.units-defined", "dahlquist", 2, ('<BaseUnit s="-1"/>', ""), "unit 1/s: expected a BaseUnit"),
     ("variables.independent", "stair", 3, ('causality="independent"', 'causality="local"'), "one independent variable"),
     (
