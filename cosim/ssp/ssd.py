@@ -69,7 +69,7 @@ class Annotation:
     )
 
     OSP = "com.opensimulationplatform"
-    OWN = "io.github.seat-cosim.engine.step_order"
+    OWN = "io.github.seat-cosim.exchange"
 
 
 _ANNOTATIONS = {"ssc:Annotation": Annotation}
