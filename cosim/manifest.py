@@ -169,6 +169,11 @@ class Manifest:
         checked
             The options as checked by :meth:`RunOptions.check` for the system, where that was done already.
 
+        Returns
+        -------
+        Manifest
+            Incomplete, without rows and files.
+
         Raises
         ------
         SetupError
@@ -221,6 +226,11 @@ class Manifest:
             Warnings of the FMUs.
         sinks
             The sinks that wrote the result files; the first one is that of the CSV file.
+
+        Returns
+        -------
+        Manifest
+            A copy with the end of the run.
         """
         return replace(
             self,
@@ -232,19 +242,30 @@ class Manifest:
         )
 
     def write(self, folder: Path) -> None:
-        """Write ``run.json`` to an existing folder; an earlier one is replaced atomically."""
+        """Write ``run.json`` to an existing folder; an earlier one is replaced atomically.
+
+        Parameters
+        ----------
+        folder
+            An existing folder.
+        """
         unfinished = folder / f"{MANIFEST}.tmp"
         unfinished.write_text(dump(self), encoding="utf-8")
         unfinished.replace(folder / MANIFEST)
 
     @classmethod
     def read(cls, path: Path) -> Manifest:
-        """Read a ``run.json``.
+        """Read a manifest from a ``run.json``.
 
         Parameters
         ----------
         path
             The file.
+
+        Returns
+        -------
+        Manifest
+            Of a complete or an incomplete run.
 
         Raises
         ------
@@ -259,7 +280,7 @@ class Manifest:
         return load(cls, text, str(path))
 
     def system(self) -> System:
-        """Rebuild the system.
+        """Rebuild the system of the run.
 
         Raises
         ------

@@ -36,6 +36,11 @@ class Unit(NamedTuple):
             The unit's name.
         base_unit
             An object with the attributes :data:`BASE_UNITS`, ``factor`` and ``offset``.
+
+        Returns
+        -------
+        Unit
+            The unit with the definition of the element.
         """
         exponents = tuple(getattr(base_unit, symbol) for symbol in BASE_UNITS)
         return cls(name, exponents, base_unit.factor, base_unit.offset)
@@ -58,7 +63,7 @@ class Linear(NamedTuple):
         return value if self == IDENTITY else self.factor * value + self.offset
 
     def after(self, first: Linear) -> Linear:
-        """Compose two transformations.
+        """Compose two transformations into one.
 
         Parameters
         ----------

@@ -137,7 +137,7 @@ class FmuArchive:
         return ""
 
     def extract(self, folder: Path) -> None:
-        """Extract the archive.
+        """Extract the archive into a folder.
 
         Parameters
         ----------
@@ -157,6 +157,6 @@ class FmuArchive:
             raise SetupError(f"{self.path}: expected an archive that can be extracted, got: {error}") from error
 
     def close(self) -> None:
-        """Close the archive."""
+        """Close the archive, if it was opened."""
         if self.zip_file:
             self.zip_file.close()

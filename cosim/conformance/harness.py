@@ -56,7 +56,13 @@ class Experiment:
     steps: int
 
     def time(self, k: int) -> float:
-        """Return the time of the communication point k, in s."""
+        """Return the time of the communication point k, in s.
+
+        Parameters
+        ----------
+        k
+            Index of the communication point, from 0.
+        """
         return self.start_time + k * self.step_size
 
 
@@ -86,12 +92,17 @@ class Harness:
     # ---- instances ---------------------------------------------------------------------------------------------------
 
     def instantiate(self, name: str = "instance") -> RawInstance:
-        """Instantiate the FMU.
+        """Instantiate the FMU with the description's GUID or token.
 
         Parameters
         ----------
         name
             Name of the instance.
+
+        Returns
+        -------
+        RawInstance
+            The instance, not initialized.
 
         Raises
         ------
@@ -109,14 +120,36 @@ class Harness:
 
     @contextmanager
     def instance(self, name: str = "instance") -> Iterator[RawInstance]:
-        """Instantiate the FMU, and free the instance at the end."""
+        """Instantiate the FMU, and free the instance at the end.
+
+        Parameters
+        ----------
+        name
+            Name of the instance.
+
+        Yields
+        ------
+        RawInstance
+            The instance, not initialized.
+        """
         instance = self.instantiate(name)
         yield instance  # after an error the process ends, and nothing needs to be freed
         instance.free()
 
     @contextmanager
     def initialized(self, name: str = "instance") -> Iterator[RawInstance]:
-        """Instantiate and initialize the FMU; terminate and free the instance at the end."""
+        """Instantiate and initialize the FMU; terminate and free the instance at the end.
+
+        Parameters
+        ----------
+        name
+            Name of the instance.
+
+        Yields
+        ------
+        RawInstance
+            The instance, in step mode.
+        """
         with self.instance(name) as instance:
             self.initialize(instance)
             yield instance
@@ -216,6 +249,11 @@ class Harness:
         k
             Index of the communication point.
 
+        Returns
+        -------
+        StepResult
+            Its status is ok or a warning, unless the FMU requests the end.
+
         Raises
         ------
         CallFailedError
@@ -303,7 +341,18 @@ class Harness:
 
 
 def bit_patterns(values: Values) -> tuple[object, ...]:
-    """Replace floats by their bytes, so that comparison finds NaN equal to itself and 0 different from -0."""
+    """Replace floats by their bytes, so that comparison finds NaN equal to itself and 0 different from -0.
+
+    Parameters
+    ----------
+    values
+        Values of one variable.
+
+    Returns
+    -------
+    tuple
+        The values, floats as bytes.
+    """
     return tuple(struct.pack("d", value) if isinstance(value, float) else value for value in values)
 
 
@@ -353,14 +402,36 @@ def row_difference(expected: Row, got: Row) -> str:
 
 
 def format_values(values: Values) -> str:
-    """Format the values of a variable for a message; long ones are shortened."""
+    """Format the values of a variable for a message; long ones are shortened.
+
+    Parameters
+    ----------
+    values
+        Values of one variable.
+
+    Returns
+    -------
+    str
+        At most four values, or 80 characters of one.
+    """
     words = [value.decode(errors="replace") if isinstance(value, bytes) else repr(value) for value in values]
     text = ", ".join(words[:4])
     return f"[{text}{', …' if len(words) > 4 else ''}]" if len(words) != 1 else text[:80]
 
 
 def parsed_start(variable: RawVariable) -> Values:
-    """Convert a variable's start values to the Python types in which the FMU returns its values."""
+    """Convert a variable's start values to the Python types in which the FMU returns its values.
+
+    Parameters
+    ----------
+    variable
+        A variable with start values or without.
+
+    Returns
+    -------
+    tuple
+        Empty for a variable without start values.
+    """
     return tuple(_parse(variable.type, text) for text in variable.start or ())
 
 

@@ -220,12 +220,34 @@ class RawDescription:
         return found.get(capability.lower()) in ("true", "1")
 
     def variable(self, reference: int | None) -> RawVariable | None:
-        """Look up a variable by an index (FMI 2.0) or a value reference (FMI 3.0); None where there is none."""
+        """Look up a variable by an index (FMI 2.0) or a value reference (FMI 3.0); None where there is none.
+
+        Parameters
+        ----------
+        reference
+            Index, from 1, or value reference; None for no reference.
+
+        Returns
+        -------
+        RawVariable or None
+            The first variable with that reference.
+        """
         return None if reference is None else self.by_reference.get(reference)
 
 
 def parse_number(text: str | None) -> float | None:
-    """Convert a text to a number; NaN where it is not a number, None for None."""
+    """Convert a text to a number; NaN where it is not a number, None for None.
+
+    Parameters
+    ----------
+    text
+        Value of an attribute; None where it is absent.
+
+    Returns
+    -------
+    float or None
+        In the unit of the attribute.
+    """
     if text is None:
         return None
     try:

@@ -73,7 +73,7 @@ class RuleRunner:
             self._server = None
 
     def run(self, request: RuleRequest) -> list[Finding]:
-        """Apply a rule.
+        """Apply a rule in a child process.
 
         Parameters
         ----------

@@ -169,7 +169,7 @@ class RawLibrary(ABC):
 
     @abstractmethod
     def instantiate(self, name: str, token: str) -> int | None:
-        """Instantiate the FMU.
+        """Instantiate the FMU for co-simulation.
 
         Parameters
         ----------
@@ -213,6 +213,11 @@ class RawLibrary(ABC):
             The communication point at the beginning of the step, in s.
         step_size
             Size of the step, in s.
+
+        Returns
+        -------
+        StepResult
+            Of any status.
         """
 
     def count_arguments(self, count: int) -> tuple[int, ...]:
@@ -226,7 +231,13 @@ class RawLibrary(ABC):
         return ()
 
     def value_count(self, variable: RawVariable) -> int:
-        """Return how many values a variable has, by its declared dimensions."""
+        """Return how many values a variable has, by its declared dimensions.
+
+        Parameters
+        ----------
+        variable
+            A scalar or an array.
+        """
         count = 1
         for start, reference in variable.dimensions:
             size = start or next(
@@ -366,7 +377,13 @@ def library_path(description: RawDescription, folder: Path) -> Path:
 
 
 def library_class(description: RawDescription) -> type[RawLibrary]:
-    """Return the class for an FMU's version of FMI."""
+    """Return the class for an FMU's version of FMI.
+
+    Parameters
+    ----------
+    description
+        The FMU's model description.
+    """
     return _LIBRARIES[description.fmi_major]
 
 
@@ -379,6 +396,11 @@ def load_library(description: RawDescription, folder: Path) -> RawLibrary:
         The FMU's model description.
     folder
         Where the FMU was extracted.
+
+    Returns
+    -------
+    RawLibrary
+        The library, of the class for its version of FMI.
 
     Raises
     ------
@@ -474,6 +496,11 @@ class RawInstance:
         step_size
             Size of the step, in s.
 
+        Returns
+        -------
+        StepResult
+            Its status is ok or a warning, unless the FMU requests the end.
+
         Raises
         ------
         CallFailedError
@@ -487,7 +514,7 @@ class RawInstance:
         return result
 
     def free(self) -> None:
-        """Free the instance."""
+        """Free the instance and its memory."""
         self.library.function("FreeInstance")(self.pointer)
 
     # ---- values ------------------------------------------------------------------------------------------------------
@@ -577,15 +604,38 @@ class RawInstance:
         return state
 
     def set_state(self, state: ctypes.c_void_p) -> None:
-        """Set the FMU state."""
+        """Set the FMU state.
+
+        Parameters
+        ----------
+        state
+            A state from :meth:`get_state` or :meth:`deserialize_state`.
+        """
         self.call_ok(self.library.STATE_FUNCTIONS[1], state)
 
     def free_state(self, state: ctypes.c_void_p) -> None:
-        """Free an FMU state; by the standard, the pointer is null afterwards."""
+        """Free an FMU state; by the standard, the pointer is null afterwards.
+
+        Parameters
+        ----------
+        state
+            A state, or a null pointer.
+        """
         self.call_ok(self.library.STATE_FUNCTIONS[2], ctypes.byref(state))
 
     def serialize_state(self, state: ctypes.c_void_p) -> bytes:
-        """Serialize an FMU state to bytes."""
+        """Serialize an FMU state to bytes.
+
+        Parameters
+        ----------
+        state
+            A state of this instance.
+
+        Returns
+        -------
+        bytes
+            As many as the FMU reports as the size of the state.
+        """
         size = ctypes.c_size_t()
         self.call_ok(self.library.STATE_FUNCTIONS[3], state, ctypes.byref(size))
         buffer = (self.library.BYTE * max(size.value, 1))()
@@ -593,7 +643,18 @@ class RawInstance:
         return bytes(bytearray(buffer)[: size.value])
 
     def deserialize_state(self, content: bytes) -> ctypes.c_void_p:
-        """Deserialize an FMU state from bytes."""
+        """Deserialize an FMU state from bytes.
+
+        Parameters
+        ----------
+        content
+            Result of :meth:`serialize_state`, of any instance of the FMU.
+
+        Returns
+        -------
+        ctypes.c_void_p
+            The state; the caller frees it.
+        """
         state = ctypes.c_void_p()
         buffer = (self.library.BYTE * max(len(content), 1)).from_buffer_copy(content or b"\0")
         self.call_ok(self.library.STATE_FUNCTIONS[5], buffer, len(content), ctypes.byref(state))

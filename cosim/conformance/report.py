@@ -45,7 +45,13 @@ def _outcome_text(outcome: RuleOutcome, full: bool) -> str:
 
 
 def summary(report: ValidationReport) -> str:
-    """Return the number of rules with each verdict as one line of text."""
+    """Return the number of rules with each verdict as one line of text.
+
+    Parameters
+    ----------
+    report
+        The results of an FMU.
+    """
     counts = (
         (report.count("passed"), "passed"),
         (report.count("failed"), "failed"),
@@ -56,7 +62,13 @@ def summary(report: ValidationReport) -> str:
 
 
 def data(reports: Iterable[ValidationReport]) -> dict[str, Any]:
-    """Return the results of several FMUs as a dict that can be written as JSON."""
+    """Return the results of several FMUs as a dict that can be written as JSON.
+
+    Parameters
+    ----------
+    reports
+        The results of each FMU.
+    """
     return {
         "fmus": [
             {

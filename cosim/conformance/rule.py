@@ -84,13 +84,18 @@ class Rule:
     check: Check
 
     def apply(self, target: Any) -> list[Finding]:
-        """Apply the rule.
+        """Apply the rule to an FMU.
 
         Parameters
         ----------
         target
             An :class:`~cosim.conformance.fmu_archive.FmuArchive` or a :class:`~cosim.conformance.harness.Harness`,
             depending on the stage.
+
+        Returns
+        -------
+        list of Finding
+            Empty where the FMU conforms.
 
         Raises
         ------
@@ -100,7 +105,13 @@ class Rule:
         return [self.finding(message) for message in self.check(target) or ()]
 
     def finding(self, message: str) -> Finding:
-        """Return a finding with a message, on one line."""
+        """Return a finding with a message, on one line.
+
+        Parameters
+        ----------
+        message
+            What, where, expected, got; :class:`Advice` for a warning.
+        """
         return Finding(self.id, " ".join(message.split()), "warning" if isinstance(message, Advice) else self.severity)
 
 

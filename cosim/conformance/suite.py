@@ -88,7 +88,7 @@ class ValidationReport:
 
 
 def load_rules() -> dict[str, Rule]:
-    """Import all rules.
+    """Import the modules of all rules.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def validate(
     runner: RuleRunner | None = None,
     progress: Callable[[str], None] = lambda rule: None,
 ) -> ValidationReport:
-    """Validate an FMU.
+    """Validate an FMU against the rules.
 
     Parameters
     ----------

@@ -86,7 +86,13 @@ def open_archive(file: str | Path | BinaryIO, where: Path) -> zipfile.ZipFile:
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a file exists; False also for names that are too long or otherwise invalid."""
+    """Return whether a file exists; False also for names that are too long or otherwise invalid.
+
+    Parameters
+    ----------
+    path
+        Any path, for example one from a file that a user provided.
+    """
     try:
         return path.is_file()
     except OSError:
@@ -94,7 +100,13 @@ def is_file(path: Path) -> bool:
 
 
 def is_unsafe_path(name: str) -> bool:
-    """Return whether a relative path may lead out of its folder on any platform."""
+    """Return whether a relative path may lead out of its folder on any platform.
+
+    Parameters
+    ----------
+    name
+        A path with forward slashes.
+    """
     path = PurePosixPath(name)
     return "\\" in name or ":" in name or "\0" in name or path.is_absolute() or ".." in path.parts
 
@@ -110,7 +122,13 @@ def is_encrypted(member: zipfile.ZipInfo) -> bool:
 
 
 def is_outside(member: zipfile.ZipInfo) -> bool:
-    """Return whether a member's path is empty or may leave the folder, before zipfile sanitizes it."""
+    """Return whether a member's path is empty or may leave the folder, before zipfile sanitizes it.
+
+    Parameters
+    ----------
+    member
+        A member of an archive.
+    """
     return is_unsafe_path(member.orig_filename) or not PurePosixPath(member.orig_filename).parts
 
 
@@ -189,6 +207,12 @@ def write_archive(path: Path, contents: Mapping[str, bytes]) -> bool:
 
 
 def read_archive(path: Path) -> dict[str, bytes]:
-    """Read an archive into a dict of member name to content, without folders."""
+    """Read an archive into a dict of member name to content, without folders.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
     with zipfile.ZipFile(path) as archive:
         return {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}

@@ -56,6 +56,11 @@ class ModelDescription:
         member
             The FMU's name in the archive, if ``path`` is one.
 
+        Returns
+        -------
+        ModelDescription
+            The description, checked.
+
         Raises
         ------
         SetupError
@@ -153,6 +158,11 @@ class ModelDescription:
         name
             Name of the variable.
 
+        Returns
+        -------
+        ModelVariable
+            The variable as fmpy reads it.
+
         Raises
         ------
         SetupError
@@ -170,7 +180,13 @@ class ModelDescription:
         return bool(self.variables[name].variability != "continuous")
 
     def unit(self, variable: ModelVariable) -> str | None:
-        """Return the name of a variable's unit, or of its declared type's unit; None where neither has one."""
+        """Return the name of a variable's unit, or of its declared type's unit; None where neither has one.
+
+        Parameters
+        ----------
+        variable
+            A variable of this FMU.
+        """
         return variable.unit or (variable.declaredType.unit if variable.declaredType else None)
 
     @property
@@ -180,7 +196,13 @@ class ModelDescription:
         return [Unit.from_base_unit(unit.name, unit.baseUnit) for unit in units]
 
     def defined_unit(self, variable: ModelVariable) -> Unit | None:
-        """Return the definition of a variable's unit; None where it has no unit or the unit has no definition."""
+        """Return the definition of a variable's unit; None where it has no unit or the unit has no definition.
+
+        Parameters
+        ----------
+        variable
+            A variable of this FMU.
+        """
         return next((unit for unit in self.defined_units if unit.name == self.unit(variable)), None)
 
     def bound(self, variable: ModelVariable, which: str) -> float | None:

@@ -34,7 +34,7 @@ class Deflection:
 
     @property
     def peak_to_peak(self) -> float:
-        """Stroke in m."""
+        """Stroke, the whole range, in m."""
         return self.highest - self.lowest
 
 

@@ -15,7 +15,13 @@ from cosim.results.file_sink import FileSink, ResultTable, Rows
 
 
 def format_header(names: Sequence[str]) -> str:
-    """Return the header line; names with commas or quotes are quoted."""
+    """Return the header line; names with commas or quotes are quoted.
+
+    Parameters
+    ----------
+    names
+        Names of the columns.
+    """
     line = io.StringIO()
     csv.writer(line, lineterminator="\n").writerow(names)
     return line.getvalue()
@@ -71,6 +77,11 @@ class CsvSink(FileSink):
         ----------
         path
             The file.
+
+        Returns
+        -------
+        ResultTable
+            Without units.
 
         Raises
         ------

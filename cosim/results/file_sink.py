@@ -66,6 +66,11 @@ def import_optional(name: str, extra: str) -> Any:
     extra
         The extra of this distribution that installs it.
 
+    Returns
+    -------
+    module
+        The imported module.
+
     Raises
     ------
     SetupError
@@ -116,7 +121,7 @@ class FileSink(ABC):
         self._open = self._failed = False
 
     def begin(self, names: Sequence[str], units: Sequence[str | None]) -> None:
-        """Open the file.
+        """Open the file and write its head.
 
         Parameters
         ----------
@@ -203,6 +208,11 @@ class FileSink(ABC):
         ----------
         path
             The file.
+
+        Returns
+        -------
+        ResultTable
+            The content of the file.
 
         Raises
         ------

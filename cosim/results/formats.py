@@ -72,6 +72,11 @@ def read_table(path: Path) -> ResultTable:
     path
         The file.
 
+    Returns
+    -------
+    ResultTable
+        The content of the file.
+
     Raises
     ------
     SetupError

@@ -94,6 +94,11 @@ class MdfSink(FileSink):
         path
             The file.
 
+        Returns
+        -------
+        ResultTable
+            The content of the file.
+
         Raises
         ------
         SetupError

@@ -64,6 +64,11 @@ class ParquetSink(FileSink):
         path
             The file.
 
+        Returns
+        -------
+        ResultTable
+            The content of the file.
+
         Raises
         ------
         SetupError

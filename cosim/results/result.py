@@ -27,7 +27,7 @@ class Sink(Protocol):
     """Takes the rows of a run as they come."""
 
     def begin(self, names: Sequence[str], units: Sequence[str | None]) -> None:
-        """Begin a run.
+        """Take the columns at the beginning of a run.
 
         Parameters
         ----------
@@ -38,7 +38,7 @@ class Sink(Protocol):
         """
 
     def write(self, rows: np.ndarray[Any, Any]) -> None:
-        """Take complete rows.
+        """Take complete rows of the table.
 
         Parameters
         ----------
@@ -47,7 +47,7 @@ class Sink(Protocol):
         """
 
     def end(self, complete: bool) -> None:
-        """End a run.
+        """Take the end of a run.
 
         Parameters
         ----------
@@ -184,7 +184,13 @@ class Result:
 
 
 def prepare_folder(folder: Path) -> None:
-    """Create a folder for results and remove the result files of an earlier run from it."""
+    """Create a folder for results and remove the result files of an earlier run from it.
+
+    Parameters
+    ----------
+    folder
+        The folder; other files in it are not touched.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for name in (MANIFEST, *result_file_names()):
         (folder / name).unlink(missing_ok=True)

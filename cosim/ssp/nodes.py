@@ -46,12 +46,29 @@ class Node(NamedTuple):
 
 
 def component_name(path: ElementPath) -> str:
-    """Return the name of a component in the flat structure."""
+    """Return the name of a component in the flat structure.
+
+    Parameters
+    ----------
+    path
+        The component.
+    """
     return "/".join(path)
 
 
 def connector_kind(variable: ModelVariable) -> str:
-    """Return the kind of the connector of an FMU's variable."""
+    """Return the kind of the connector of an FMU's variable.
+
+    Parameters
+    ----------
+    variable
+        A variable of any causality.
+
+    Returns
+    -------
+    str
+        ``input``, ``output``, ``calculatedParameter`` or ``parameter``.
+    """
     causality = str(variable.causality)
     return causality if causality in IS_SOURCE_INSIDE else "parameter"
 
@@ -187,7 +204,13 @@ class Nodes:
         return [*self._units, *(unit for model in models for unit in model.defined_units)]
 
     def unit(self, node: Node) -> Unit | None:
-        """Return the unit of a connector: the FMU's, else the declared one, else None."""
+        """Return the unit of a connector: the FMU's, else the declared one, else None.
+
+        Parameters
+        ----------
+        node
+            The connector.
+        """
         if node.path in self.components:
             model = self.model(node.path)
             own = model.defined_unit(model.variable(component_name(node.path), node.connector))
@@ -218,5 +241,11 @@ class Nodes:
         return connectors[node.connector].kind
 
     def is_parameter(self, node: Node) -> bool:
-        """Return whether a connector has the kind of a parameter, whose values are set before a run only."""
+        """Return whether a connector has the kind of a parameter, whose values are set before a run only.
+
+        Parameters
+        ----------
+        node
+            The connector.
+        """
         return self.kind(node) in ("parameter", "calculatedParameter")

@@ -20,7 +20,7 @@ _DAMAGED = (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, O
 
 
 def read_file(path: Path, expected: str) -> bytes:
-    """Read a file.
+    """Read a file that the user named.
 
     Parameters
     ----------
@@ -28,6 +28,11 @@ def read_file(path: Path, expected: str) -> bytes:
         The file.
     expected
         What the file should be, in messages.
+
+    Returns
+    -------
+    bytes
+        The content of the file.
 
     Raises
     ------
@@ -76,7 +81,7 @@ class Package:
         self.where = self._path / DESCRIPTION
 
     def description(self) -> bytes:
-        """Read the description.
+        """Read the description of the system.
 
         Raises
         ------
@@ -88,12 +93,17 @@ class Package:
         return self._member(DESCRIPTION)
 
     def read(self, uri: str) -> bytes:
-        """Read a resource.
+        """Read a resource of the package.
 
         Parameters
         ----------
         uri
             URI of the resource, relative to the description.
+
+        Returns
+        -------
+        bytes
+            The content of the resource.
 
         Raises
         ------
@@ -112,6 +122,11 @@ class Package:
         ----------
         uri
             URI of the FMU, relative to the description.
+
+        Returns
+        -------
+        ModelDescription
+            The description of the FMU.
 
         Raises
         ------
@@ -157,7 +172,13 @@ class Package:
             raise SetupError(f"{where}: expected a file that can be read, got: {error}") from None
 
     def locate(self, uri: str) -> Path:
-        """Return the name of a resource in messages."""
+        """Return the name of a resource in messages.
+
+        Parameters
+        ----------
+        uri
+            URI of the resource, relative to the description.
+        """
         return self.where.parent / unquote(uri)
 
     def _name(self, uri: str) -> str:

@@ -47,6 +47,11 @@ class Quantity:
         where
             Name of the parameter in messages.
 
+        Returns
+        -------
+        Quantity
+            The value with its unit, None where none is declared.
+
         Raises
         ------
         SetupError
@@ -57,7 +62,7 @@ class Quantity:
         return cls(typed_value.kind, typed_value.value, find_unit(typed_value.unit, units, where))
 
     def transferred(self, transfer: Transfer, unit: Unit | None, where: str) -> Quantity:
-        """Apply a transfer.
+        """Apply a transfer to the value.
 
         Parameters
         ----------
@@ -67,6 +72,11 @@ class Quantity:
             Unit at its end; None where it is not declared.
         where
             Name of the parameter or connection in messages.
+
+        Returns
+        -------
+        Quantity
+            The value at the end of the transfer.
 
         Raises
         ------

@@ -217,6 +217,11 @@ def read_description(data: bytes, where: str) -> SystemStructureDescription:
     where
         Name of the file in messages.
 
+    Returns
+    -------
+    SystemStructureDescription
+        The content of the file.
+
     Raises
     ------
     SetupError

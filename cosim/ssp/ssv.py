@@ -102,7 +102,13 @@ class Transformation:
 
     @classmethod
     def of(cls, linear: Linear) -> Transformation | None:
-        """Return the element for a linear transformation; None for the identity."""
+        """Return the element for a linear transformation; None for the identity.
+
+        Parameters
+        ----------
+        linear
+            The transformation.
+        """
         return None if linear == IDENTITY else cls(kind=cls.LINEAR, factor=linear.factor, offset=linear.offset)
 
 
@@ -191,6 +197,11 @@ def read_parameter_set(data: bytes, where: str) -> ParameterSet:
     where
         Name of the file in messages.
 
+    Returns
+    -------
+    ParameterSet
+        The content of the file.
+
     Raises
     ------
     SetupError
@@ -208,6 +219,11 @@ def read_parameter_mapping(data: bytes, where: str) -> ParameterMapping:
         The bytes of the file.
     where
         Name of the file in messages.
+
+    Returns
+    -------
+    ParameterMapping
+        The content of the file.
 
     Raises
     ------

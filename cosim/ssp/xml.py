@@ -167,6 +167,11 @@ def attribute(name: str, codec: Codec = TEXT, default: Any = MISSING) -> Any:
         Conversion of its value.
     default
         Value where the attribute is absent; it is not written. Without it, the attribute is required.
+
+    Returns
+    -------
+    dataclass field
+        The declaration.
     """
     return field(metadata={"part": _Attribute(name, codec, default)}, default=default)
 
@@ -180,6 +185,11 @@ def child(types: Mapping[str, type], container: str | None = None) -> Any:
         Element as ``prefix:name`` to the dataclass that describes it.
     container
         The element between parent and child, if any.
+
+    Returns
+    -------
+    dataclass field
+        The declaration.
     """
     return field(metadata={"part": _Children(types, container, single=True)}, default=None)
 
@@ -193,6 +203,11 @@ def children(types: Mapping[str, type], container: str | None = None) -> Any:
         Element as ``prefix:name`` to the dataclass that describes it.
     container
         The element between parent and children, if any.
+
+    Returns
+    -------
+    dataclass field
+        The declaration.
     """
     return field(metadata={"part": _Children(types, container, single=False)}, default=())
 
@@ -232,7 +247,7 @@ def _schema_problem(root: Any) -> str | None:
 
 
 def read_document(cls: type[D], data: bytes, where: str) -> D:
-    """Read a document.
+    """Read and validate a document.
 
     Parameters
     ----------
@@ -269,7 +284,13 @@ def read_document(cls: type[D], data: bytes, where: str) -> D:
 
 
 def write_document(document: Document) -> bytes:
-    """Return a document as UTF-8 encoded XML; the same content gives the same bytes."""
+    """Return a document as UTF-8 encoded XML; the same content gives the same bytes.
+
+    Parameters
+    ----------
+    document
+        An instance of a dataclass that describes a document.
+    """
     root = etree.Element(_qualified(document.ROOT), nsmap=NAMESPACES)
     _write(document, root)
     etree.cleanup_namespaces(root)
