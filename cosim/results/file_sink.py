@@ -259,3 +259,23 @@ class RowBuffer:
         if self._parts:
             self._write_block(np.concatenate(self._parts))
         self._parts, self._count = [], 0
+
+
+class BlockSink(FileSink):
+    """Base of the formats that write blocks of :data:`BLOCK_ROWS` rows.
+
+    Parameters
+    ----------
+    folder
+        As of :class:`FileSink`.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self._buffer = RowBuffer(self._write_block)
+
+    def _write(self, rows: Rows) -> None:
+        self._buffer.add(rows)
+
+    @abstractmethod
+    def _write_block(self, block: Rows) -> None: ...

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import SetupError
-from cosim.results.file_sink import FileSink, ResultTable, RowBuffer, Rows, import_optional
+from cosim.results.file_sink import BlockSink, ResultTable, Rows, import_optional
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 """Start time of every measurement, so that equal runs give equal bytes."""
@@ -29,13 +29,13 @@ def _asammdf() -> Any:
     return import_optional("asammdf", "mdf")
 
 
-class MdfSink(FileSink):
+class MdfSink(BlockSink):
     """Writes an MDF 4.10 file, from a temporary file when the run has ended, complete or not.
 
     Parameters
     ----------
     folder
-        As of :class:`FileSink`.
+        As of :class:`BlockSink`.
     """
 
     suffix = ".mf4"
@@ -50,10 +50,6 @@ class MdfSink(FileSink):
         self._mdf = self._asammdf.MDF(version="4.10")
         self._mdf.start_time = _EPOCH
         self._group: int | None = None
-        self._buffer = RowBuffer(self._write_block)
-
-    def _write(self, rows: Rows) -> None:
-        self._buffer.add(rows)
 
     def _write_block(self, block: Rows) -> None:
         time, *columns = (np.ascontiguousarray(column) for column in block.T)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import SetupError
-from cosim.results.file_sink import FileSink, ResultTable, RowBuffer, Rows, import_optional
+from cosim.results.file_sink import BlockSink, ResultTable, Rows, import_optional
 
 _UNIT = b"unit"
 """Key of the unit in a column's metadata."""
@@ -18,13 +18,13 @@ def _pyarrow() -> tuple[Any, Any]:
     return import_optional("pyarrow", "parquet"), import_optional("pyarrow.parquet", "parquet")
 
 
-class ParquetSink(FileSink):
+class ParquetSink(BlockSink):
     """Writes a Parquet file with row groups of :data:`BLOCK_ROWS` rows; readable when the run has ended.
 
     Parameters
     ----------
     folder
-        As of :class:`FileSink`.
+        As of :class:`BlockSink`.
     """
 
     suffix = ".parquet"
@@ -42,10 +42,6 @@ class ParquetSink(FileSink):
         ]
         self._schema = pa.schema(columns)
         self._writer = self._parquet.ParquetWriter(str(self._partial), self._schema)
-        self._buffer = RowBuffer(self._write_block)
-
-    def _write(self, rows: Rows) -> None:
-        self._buffer.add(rows)
 
     def _write_block(self, block: Rows) -> None:
         columns = [np.ascontiguousarray(column) for column in block.T]

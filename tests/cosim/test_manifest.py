@@ -86,7 +86,7 @@ def test_a_manifest_reads_back_and_rebuilds_its_system(swapped: System, tmp_path
     assert read == manifest
     again = read.system()
     assert {sink: connection[:2] for sink, connection in again.connections.items()} == {
-        sink: feed[:2] for sink, feed in swapped.connections.items()
+        sink: connection[:2] for sink, connection in swapped.connections.items()
     }
     assert again.order == swapped.order
     assert again.component_steps == {"seat": 0.004}

@@ -38,8 +38,8 @@ def build_echo(version: int, folder: Path) -> Path:
         The FMU.
     """
     source = (SOURCES / "echo.c").read_text()
-    slave = {2: FMU2Slave, 3: FMU3Slave}[version]
-    names = [name for name in dir(slave) if name.startswith(f"fmi{version}")]
+    fmpy_class = {2: FMU2Slave, 3: FMU3Slave}[version]
+    names = [name for name in dir(fmpy_class) if name.startswith(f"fmi{version}")]
     source = f"#define FMI{version}\n{source}"
     written = re.sub(r"ACCESS\((\w+),", rf"fmi{version}Get\1( fmi{version}Set\1(", source)
     stubs = "".join(f"int {name}(void) {{ return 0; }}\n" for name in names if f"{name}(" not in written)

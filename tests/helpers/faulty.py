@@ -54,9 +54,35 @@ DESCRIPTIONS = {
 }
 
 
-def compiler() -> list[str]:
-    """Return the command of a C compiler: gcc where it is installed, which starts faster, else zig."""
-    return ["gcc"] if which("gcc") else [sys.executable, "-m", "ziglang", "cc"]
+def compile_library(source: Path, library: Path, *options: str) -> None:
+    """Compile an FMU's library with gcc where it is installed, which starts faster, else with zig.
+
+    Parameters
+    ----------
+    source
+        The C file.
+    library
+        The library that is written.
+    *options
+        Further options of the compiler.
+    """
+    compiler = ["gcc"] if which("gcc") else [sys.executable, "-m", "ziglang", "cc"]
+    common = ["-std=gnu11", "-O1", "-g0", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-I{HEADERS}"]
+    subprocess.run([*compiler, *common, *options, source, "-o", library, "-lm"], check=True)
+
+
+def library_member(name: str, fmi: int) -> str:
+    """Return the path of a library for this platform in an FMU.
+
+    Parameters
+    ----------
+    name
+        Model identifier.
+    fmi
+        Major version of FMI.
+    """
+    platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
+    return f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}"
 
 
 def faulty_fmu(folder: Path, fault: str = "ok", call: str = "step", fmi: int = 2) -> Path:
@@ -83,11 +109,8 @@ def faulty_fmu(folder: Path, fault: str = "ok", call: str = "step", fmi: int = 2
     if path.exists():
         return path
     library = path.with_suffix(fmpy.sharedLibraryExtension)
-    defines = [f"-DFMI={fmi}", f"-DWHAT={FAULTS.index(fault)}", f"-DWHERE={CALLS.index(call)}"]
-    options = ["-std=gnu11", "-O1", "-g0", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-I{HEADERS}"]
-    subprocess.run([*compiler(), *options, *defines, SOURCE, "-o", library, "-lm"], check=True)
-    platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
+    compile_library(SOURCE, library, f"-DFMI={fmi}", f"-DWHAT={FAULTS.index(fault)}", f"-DWHERE={CALLS.index(call)}")
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", DESCRIPTIONS[fmi])
-        archive.write(library, f"binaries/{platform}/faulty{fmpy.sharedLibraryExtension}")
+        archive.write(library, library_member("faulty", fmi))
     return path

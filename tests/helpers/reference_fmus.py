@@ -5,14 +5,13 @@ The library is compiled once for each version of FMI. A fault is selected by wri
 
 from __future__ import annotations
 
-import subprocess
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
 
-from tests.helpers.faulty import HEADERS, compiler
+from tests.helpers.faulty import compile_library, library_member
 from tests.helpers.paths import SOURCES
 
 SOURCE = SOURCES / "reference_fmu.c"
@@ -159,8 +158,7 @@ class ReferenceFmus:
         """Return the bytes of the library for a major version of FMI."""
         path = self.folder / f"reference{fmi}{fmpy.sharedLibraryExtension}"
         if not path.exists():
-            options = ["-std=gnu11", "-O1", "-g0", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-I{HEADERS}"]
-            subprocess.run([*compiler(), *options, f"-DFMI={fmi}", SOURCE, "-o", path, "-lm"], check=True)
+            compile_library(SOURCE, path, f"-DFMI={fmi}")
         return path.read_bytes()
 
     def make(
@@ -193,11 +191,10 @@ class ReferenceFmus:
         library = self.library(fmi)
         at = library.index(MARKER) + len(MARKER)
         library = library[:at] + fault.encode().ljust(20) + library[at + 20 :]
-        platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
         members = archive(
             {
                 "modelDescription.xml": xml(description(model, fmi)).encode(),
-                f"binaries/{platform}/reference{fmpy.sharedLibraryExtension}": binary(library),
+                library_member("reference", fmi): binary(library),
             }
         )
         path = self.folder / f"{model}{fmi}-{len(list(self.folder.iterdir()))}.fmu"

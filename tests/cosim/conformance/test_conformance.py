@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -21,17 +20,6 @@ NAMES = [component.name for component in COMPONENTS]
 
 PYTHONFMU = {"lifecycle.token", "lifecycle.call-order", "lifecycle.fixed", "state.free", "side_effects.memory"}
 """Findings in every FMU of pythonfmu, whose library handles these calls itself."""
-
-
-@pytest.fixture(scope="module")
-def runner() -> Iterator[RuleRunner]:
-    with RuleRunner() as shared:
-        yield shared
-
-
-@pytest.fixture(scope="module")
-def reference_fmus(tmp_path_factory: pytest.TempPathFactory) -> ReferenceFmus:
-    return ReferenceFmus(tmp_path_factory.mktemp("reference"))
 
 
 def messages(found: ValidationReport) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import stat
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
@@ -19,17 +19,6 @@ from tests.helpers.reference_fmus import ReferenceFmus
 FILES_ONLY = [rule.id for rule in load_rules().values() if rule.stage != "behaviour"]
 SUFFIX = fmpy.sharedLibraryExtension
 Members = dict[str, bytes]
-
-
-@pytest.fixture(scope="module")
-def runner() -> Iterator[RuleRunner]:
-    with RuleRunner() as shared:
-        yield shared
-
-
-@pytest.fixture(scope="module")
-def reference_fmus(tmp_path_factory: pytest.TempPathFactory) -> ReferenceFmus:
-    return ReferenceFmus(tmp_path_factory.mktemp("broken"))
 
 
 def found_in(path: Path) -> dict[str, list[str]]:

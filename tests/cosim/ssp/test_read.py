@@ -488,7 +488,7 @@ def test_a_parameter_file_is_read_for_a_run(seat_ssp: Path, tmp_path: Path):
         read_parameters(tmp_path / "none.ssv", system)
 
 
-# ---- what is refused -------------------------------------------------------------------------------------------------
+# ---- errors ----------------------------------------------------------------------------------------------------------
 
 
 def joined(start: str, end: str, **more: object) -> ssd.Connection:
@@ -527,7 +527,7 @@ THROUGH = ssd.System(
 INSIDE = ssd.ParameterBinding(source="p.ssv", source_base="component")
 PLAIN = ssd.Connector(name="plain", kind="input")
 
-REFUSED = {
+WRONG = {
     "missing fmu": (
         with_system(elements=element("seat", source="resources/Chair.fmu")),
         "resources/Chair.fmu: expected a file in the archive, got none of that name",
@@ -697,9 +697,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
+@pytest.mark.parametrize("case", WRONG)
 def test_a_wrong_system_is_one_error(seat_ssp: Path, tmp_path: Path, case: str):
-    edit, problem = REFUSED[case]
+    edit, problem = WRONG[case]
     path = rewritten(seat_ssp, tmp_path / "Wrong.ssp", edit, text__txt=b"hello")
     with pytest.raises(SetupError, match=problem) as error:
         System.load(path)
