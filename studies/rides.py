@@ -128,7 +128,7 @@ class Rides:
             }
             result = self.run(20.0, {**parameters, **sine}, 55.0, [SEAT, FLOOR])
             steady = sine_transmissibility(
-                result[FLOOR], result[SEAT], 1.0 / float(result.time[1]), frequency, settle=8.0
+                result[FLOOR], result[SEAT], 1.0 / float(result.time[1]), frequency, warm_up=8.0
             )
             found.append(steady.rms_ratio)
         return np.array(found)

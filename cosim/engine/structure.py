@@ -13,7 +13,8 @@ from cosim.engine.clock import Clock
 from cosim.engine.step_order import Edge, propose
 from cosim.engine.unconnected_inputs import UnconnectedInputs, resolve_unconnected
 from cosim.errors import Problems, SetupError, did_you_mean
-from cosim.fmi.description import KINDS, NUMERIC, ModelDescription, Value
+from cosim.fmi.description import ModelDescription, Value
+from cosim.fmi.variable_types import KINDS, NUMERIC
 from cosim.units import IDENTITY, Linear, conversion
 
 Algorithm = Literal["gauss-seidel", "jacobi"]

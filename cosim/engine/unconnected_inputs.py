@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from dataclasses import dataclass, field
 
-from cosim.fmi.description import KINDS, NUMERIC, ModelDescription
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.variable_types import KINDS, NUMERIC
 
 _SUFFIX = "_signals"
 

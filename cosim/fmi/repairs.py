@@ -1,4 +1,4 @@
-"""Repairs of descriptions that violate the standard, where the meaning is clear."""
+"""Repair model descriptions that violate the standard where their meaning is clear."""
 
 from __future__ import annotations
 
@@ -11,30 +11,31 @@ from lxml import etree
 from cosim.fmi.xml import parse
 
 DESCRIPTION = "modelDescription.xml"
+"""Name of the model description in an FMU."""
 
 
 def repaired(fmu: str | BinaryIO, where: str) -> str | BinaryIO:
-    """Read an FMU's description and repair it.
+    """Read an FMU's model description and repair it.
 
-    FMI 2 parameters without a variability become fixed: by the standard they would be continuous, which a parameter
-    must not be. pythonfmu writes such parameters.
+    FMI 2.0 parameters without a variability become fixed. By the standard's default they are continuous, which is not
+    allowed for parameters. pythonfmu writes such parameters.
 
     Parameters
     ----------
     fmu
-        File name, or open file.
+        The FMU, as a file name or an open file.
     where
-        Name of the file, for messages.
+        Name of the model description in messages.
 
     Returns
     -------
     str or BinaryIO
-        An archive with the repaired description, or the FMU itself if there is nothing to repair.
+        An archive that holds the repaired description only, or ``fmu`` itself if there is nothing to repair.
 
     Raises
     ------
     SetupError
-        If the description is no XML, or of a kind that is refused, see :mod:`cosim.fmi.xml`.
+        If the description is not well-formed XML or declares a document type, see :func:`cosim.fmi.xml.parse`.
     """
     with zipfile.ZipFile(fmu) as archive:
         tree = parse(archive.read(DESCRIPTION), where)

@@ -10,7 +10,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.errors import SetupError, writing_to
-from cosim.results.result import Result, clear
+from cosim.results.result import Result, prepare_folder
 from cosim.system import System
 from plant_models.parameter_sets import NAMES
 from seat_cosim.cli.console import command_line, conclude, console, progress_shown, stderr
@@ -93,7 +93,7 @@ def _reproduce_bump(system: System, kilograms: float | None, output: Path) -> No
     system.validate(SCENARIOS["bump"].stop_time, parameters=driver)
     for name in cases:
         with writing_to(output):
-            clear(folder / name)
+            prepare_folder(folder / name)
     results: dict[str, Result] = {}
     with progress_shown("bump") as report:
         for name, result in bump.run(

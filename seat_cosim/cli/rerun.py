@@ -10,7 +10,7 @@ import numpy as np
 from cosim.engine.run_options import RunOptions
 from cosim.errors import RunError, SetupError, reading
 from cosim.manifest import Manifest, sha256
-from cosim.results.formats import Table, read
+from cosim.results.formats import ResultTable, read_table
 from cosim.results.result import MANIFEST
 from cosim.run_folder import run_to_folder
 from seat_cosim.cli.console import command_line, conclude, console, progress_shown, stderr
@@ -88,12 +88,12 @@ def _compare(before: Path, first: Manifest, folder: Path, again: Manifest) -> No
 def _difference(old: Path, new: Path) -> str:
     """Say where the numbers of two files differ first, as far as that can be told."""
     try:
-        return f" ({first_difference(read(old), read(new))})"
+        return f" ({first_difference(read_table(old), read_table(new))})"
     except SetupError:
         return ""
 
 
-def first_difference(expected: Table, got: Table) -> str:
+def first_difference(expected: ResultTable, got: ResultTable) -> str:
     """Name the first row and column at which two tables differ, and how many numbers do."""
     if expected.names != got.names or expected.rows.shape != got.rows.shape:
         shapes = [f"{rows} rows of {columns} columns" for rows, columns in (expected.rows.shape, got.rows.shape)]

@@ -16,7 +16,7 @@ from cosim.errors import SetupError
 from seat_cosim.cli.console import console, progress_shown
 
 if TYPE_CHECKING:  # the suite is loaded by this command alone
-    from cosim.conformance.suite import Examination
+    from cosim.conformance.suite import ValidationReport
 
 
 @click.command("validate")
@@ -60,7 +60,7 @@ def validate_command(
       seat-cosim validate --list
     """
     from cosim.conformance import report
-    from cosim.conformance.process import Processes
+    from cosim.conformance.process import RuleRunner
     from cosim.conformance.suite import validate
 
     if listing:
@@ -71,7 +71,7 @@ def validate_command(
     if missing := [path for path in files if not path.is_file()]:
         raise SetupError(*(f"{path}: expected an FMU, got no such file" for path in missing))
     found = []
-    with Processes() as processes, progress_shown("validating") as tell:
+    with RuleRunner() as runner, progress_shown("validating") as tell:
         for path in files:
             found.append(
                 validate(
@@ -79,7 +79,7 @@ def validate_command(
                     only=only,
                     skip=skip,
                     time_limit=time_limit,
-                    processes=processes,
+                    runner=runner,
                     progress=lambda name, path=path: tell(f"{path.name} {name}"),  # type: ignore[misc]
                 )
             )
@@ -90,7 +90,7 @@ def validate_command(
         sys.exit(1)
 
 
-def _conclude(found: list[Examination], target: str | None) -> None:
+def _conclude(found: list[ValidationReport], target: str | None) -> None:
     """Write JSON where that is asked for, and print a line for each FMU."""
     from cosim.conformance import report
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.results.csv_file import head, lines
+from cosim.results.csv_file import format_header, format_rows
 from seat_cosim.html_page import embedded, render
 from seat_cosim.paper.contents import CONTENTS, Entry
 from seat_cosim.paper.finding import Finding, Kind, Row
@@ -114,8 +114,8 @@ def _write_csv(path: Path, finding: Finding) -> None:
             table.writerows([r.quantity, r.unit, r.paper, r.ours, r.kind.value, r.remark] for r in finding.rows)
             return
         columns = _columns(finding)
-        stream.write(head(list(columns)))
-        stream.write(lines(np.column_stack(list(columns.values()))))
+        stream.write(format_header(list(columns)))
+        stream.write(format_rows(np.column_stack(list(columns.values()))))
 
 
 def _columns(finding: Finding) -> dict[str, np.ndarray]:

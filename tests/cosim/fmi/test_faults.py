@@ -616,16 +616,16 @@ def test_links_doubles_and_encrypted_members_are_refused(tmp_path: Path):
 
 
 def test_bombs_are_refused_and_large_tables_are_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(archives, "UNSUSPICIOUS", 2**20)
+    monkeypatch.setattr(archives, "SAFE_SIZE", 2**20)
     bomb = archive(tmp_path / "bomb.fmu", ("zeros", bytes(4 * 2**20)))
     with pytest.raises(SetupError, match=r"expected at most 200 times .*got 4 MiB from .*'zeros'"):
         System().add("bad", bomb)
-    monkeypatch.setattr(archives, "LARGEST", 2**20)
+    monkeypatch.setattr(archives, "MAX_SIZE", 2**20)
     with pytest.raises(SetupError, match="expected at most 1 MiB when extracted, got 4 MiB"):
         System().add("bad", bomb)
     table = "\n".join(f"{k * 0.002:.3f},{np.sin(k):.6f}" for k in range(20_000)).encode()
-    monkeypatch.setattr(archives, "LARGEST", 8 * 2**20)
-    monkeypatch.setattr(archives, "UNSUSPICIOUS", 2**10)
+    monkeypatch.setattr(archives, "MAX_SIZE", 8 * 2**20)
+    monkeypatch.setattr(archives, "SAFE_SIZE", 2**10)
     path = archive(tmp_path / "table.zip", ("table.csv", table))
     with archives.open_archive(path, path) as opened:
         assert opened.read("table.csv") == table

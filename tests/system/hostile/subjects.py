@@ -10,7 +10,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cosim.fmi.description import KINDS, ModelDescription
+from cosim.fmi.description import ModelDescription
+from cosim.fmi.variable_types import KINDS
 from fmus.component import MAX_STEP_SIZE, MAX_TIME, TIME_TOLERANCE
 from fmus.export.native_fmu import STANDARDS, source_files
 from seat_cosim.components import COMPONENTS
