@@ -1,4 +1,4 @@
-"""Pages of the documentation that are generated from the code: ``python -m seat_cosim.reference`` writes them all."""
+"""Documentation pages that are generated from the code; ``python -m seat_cosim.reference`` writes them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "docs/variables.md": lambda: variables_table.page(COMPONENTS),
     "docs/validate.md": rule_docs.page,
 }
-"""Path in the repository to what writes the page."""
+"""Path in the repository to the function that returns the page."""
 
 
 def main() -> None:
