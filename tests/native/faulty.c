@@ -42,7 +42,7 @@ static void trace(const Faulty *it, const char *call)
     const char *path = getenv("FAULTY_TRACE");
     FILE *file = path ? fopen(path, "a") : NULL;
     if (file) {
-        fprintf(file, "%s %s\n", it->name, call);
+        fprintf(file, "%s %s\n", it ? it->name : "library", call);
         fclose(file);
     }
 }
@@ -81,7 +81,10 @@ static Status strike(const Faulty *it, int where)
         if (!done)
             puts("hello from C\nand more");
         break;
-    case sleeps: sleep(60); break;
+    case sleeps:
+        trace(it, "sleeps");
+        sleep(3600);
+        break;
     case segfault: raise(SIGSEGV); break;
     case aborts: abort();
     case exits: exit(3);
