@@ -115,6 +115,7 @@ def check(law: Law, history: Sequence[float], kernel: BoucWen) -> None:
         assert work >= law.stored(z) - slack
 
 
+@pytest.mark.slow
 @examples(400, 10_000)
 def test_work_from_rest_is_at_least_what_is_stored(count: int):
     for_all(count, lambda law, history: check(law, history, law.kernel), law=laws, history=histories)
