@@ -110,6 +110,8 @@ class ComponentSlave(Fmi2Slave):
             Text of the message.
         status
             Status that is passed to the host.
+        *args, **kwargs
+            Passed to pythonfmu.
         """
         super().log(msg.replace("%", "%%"), status, *args, **kwargs)
 

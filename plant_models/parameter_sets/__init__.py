@@ -1,8 +1,8 @@
 """Parameter sets of the plant as SSP 1.0 files: values that the paper does not publish, calibrated against its tables.
 
 The names in a set are ``component.variable`` of the seat suspension. Each parameter states the source of its value.
-``python -m studies.calibrate --write`` writes the files; ``docs/explanation/calibration.md`` describes the method and the
-uncertainty.
+``python -m studies.calibrate --write`` writes the files; ``docs/explanation/calibration.md``
+describes the method and the uncertainty.
 """
 
 from __future__ import annotations

@@ -110,6 +110,7 @@ print("fine")
     assert run.stdout.strip() == "fine", run.stderr
 
 
+@pytest.mark.builds
 def test_a_failing_builder_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(BuildError, match="Shaker: pythonfmu ended with 1"):

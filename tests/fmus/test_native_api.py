@@ -15,7 +15,7 @@ from tests.helpers.paths import NATIVE, ROOT
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wno-type-limits", "-Werror"]  # a model may have no inputs
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+pytestmark = [pytest.mark.builds, pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")]
 
 
 def test_program(flavour: str, component: Component, folder: Path, *options: str) -> Path:

@@ -43,6 +43,7 @@ def test_numbers_are_normal(numbers: np.ndarray):
         assert abs((np.abs(numbers) > limit).sum() - expected) < 4 * math.sqrt(expected)
 
 
+@pytest.mark.slow
 def test_streams_are_independent(numbers: np.ndarray):
     """Neither neighbours, nor streams of one seed, nor of neighbouring seeds."""
     others = [

@@ -38,6 +38,8 @@ CONTROLLER = "src/seat_controller_fmu/controller.c"
 
 gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 
+pytestmark = pytest.mark.builds
+
 
 def compile_c(folder: Path, *words: str) -> None:
     run = subprocess.run(["gcc", *words], cwd=folder, capture_output=True, text=True, check=False)

@@ -87,6 +87,7 @@ def test_an_end_stop_never_pulls():
     assert inside.seat_acceleration > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.0, 500.0, 5000.0])
 def test_a_hard_impact_is_accurate_at_2_ms(damping: float):
     """Against steps of 2 us; measured 1e-5, and 4e-3 where the substep of impact is not divided."""

@@ -188,6 +188,7 @@ def test_an_acceleration_without_the_start_velocity_is_another_floor(rig: Rig):
     assert found[0] > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("signal", "bound"), [*zip(ONE, (0.0036, 0.0033, 0.0078), strict=True)])
 def test_changing_step_sizes_are_as_accurate(signal: FloorSignals, bound: float):
     """Steps of 0.5 to 3.5 ms, 2 ms in the mean; bounds: measured and 50 %."""

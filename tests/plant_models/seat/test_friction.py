@@ -31,6 +31,7 @@ def integrated(state: float, velocity: float, duration: float) -> float:
     return float(solution.y[0, -1])
 
 
+@pytest.mark.slow
 def test_random_histories_match_the_equation_to_1e_9_of_the_plateau():
     random = np.random.default_rng(36)
     closed = exact = 0.0

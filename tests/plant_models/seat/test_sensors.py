@@ -35,6 +35,7 @@ def sensor_errors(outputs: list[Outputs]) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
+@pytest.mark.slow
 def test_noise_is_normal_with_the_rms_of_the_parameter():
     """Mean, RMS and correlations within three standard errors."""
     count = 10_000
@@ -45,6 +46,7 @@ def test_noise_is_normal_with_the_rms_of_the_parameter():
         assert (np.abs(noise) > 2 * rms).mean() == pytest.approx(0.0455, abs=3 * math.sqrt(0.0455 / count))
 
 
+@pytest.mark.slow
 def test_the_sensors_noises_are_independent_and_follow_the_seed():
     noises = [noise for seed in (1, 2) for noise in sensor_errors(ride(5000, sensor_seed=seed, **NOISE))]
     correlations = np.corrcoef(noises)[np.triu_indices(4, 1)]

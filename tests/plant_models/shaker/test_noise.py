@@ -186,6 +186,7 @@ def test_the_seed_chooses_the_motion_and_the_scale_its_size():
     assert not run(random(random_scale=0.0), times).any()
 
 
+@pytest.mark.slow
 def test_the_displacement_does_not_drift():
     """Over 300 s each signal's mean is small against its standard deviation: none is integrated."""
     rows = run(random(RandomClass.EM2), 0.25 * np.arange(1, 1201))

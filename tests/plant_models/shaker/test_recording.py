@@ -91,6 +91,7 @@ def test_a_sine_with_a_bias_gives_the_sine_without_drift(
     assert np.abs(found[:, 2] - recorded + 0.1)[middle].max() < 0.003 * amplitude * omega**2
 
 
+@pytest.mark.slow
 def test_noise_of_a_sensor_does_not_wander_off(tmp_path: Path):
     """White noise of 0.02 m/s2 in ten minutes: integrated twice a walk of metres, high-passed at 0.1 Hz millimetres."""
     t = np.arange(0.0, 600.0, 0.01)
@@ -369,6 +370,7 @@ def test_a_wrong_file_discards_the_steps_of_the_python_flavour(fmus: Path, tmp_p
     assert "gap.csv, line 12: expected a step of at most 10 times the median" in str(result.error)
 
 
+@pytest.mark.builds
 @pytest.mark.parametrize("flavour", NATIVE)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 def test_the_memory_of_a_recording_is_always_freed(flavour: str, tmp_path: Path):

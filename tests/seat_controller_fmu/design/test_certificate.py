@@ -25,6 +25,8 @@ from seat_controller_fmu.interface import Parameters
 from seat_cosim.nominal_seat import nominal_seat
 from studies.make_presets import published
 
+pytestmark = pytest.mark.slow
+
 
 def blocks(gains: Gains, Q: np.ndarray, lambda_: float) -> list[np.ndarray]:
     R = [np.array([K]) @ Q for K in gains.feedback]

@@ -21,6 +21,8 @@ from studies.make_presets import published, recommended, table1_printed
 TOLERANCES = {"recommended": 1e-3, "table1-printed": 0.05}
 SOURCES = {"recommended": recommended, "table1-printed": table1_printed}
 
+pytestmark = pytest.mark.slow
+
 
 def poles(gains: Gains) -> np.ndarray:
     """Natural frequency squared and 2 zeta omega at both vertices: what the gains make of the seat."""

@@ -25,6 +25,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 from hypothesis import strategies as st
 
 from plant_models.seat.friction import PLATEAU_TOLERANCE, FrictionCoefficients, after_slip, prepare
@@ -115,6 +116,7 @@ def check(law: Law, history: Sequence[float], kernel: FrictionCoefficients) -> N
         assert work >= law.stored(z) - slack
 
 
+@pytest.mark.slow
 @examples(400, 10_000)
 def test_work_from_rest_is_at_least_what_is_stored(count: int):
     for_all(count, lambda law, history: check(law, history, law.kernel), law=laws, history=histories)
