@@ -1,26 +1,38 @@
 # make run        environment, install, build, the paper's bump test with table and figures
 # make test       the same set-up, then every test (10 minutes at most); make test-all adds the long ones
+# make test-fast  tests that build nothing, in less than a minute
+# make lint       style, types and the direction of imports; part of every kind of test
 # make docs       the documentation site into site/, strictly: nothing is fetched, every link leads somewhere
 # make fuzz       hostile input for MINUTES per target (1), see docs/reference/hostile-input.md
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
 
 MINUTES ?= 1
 
-.PHONY: run test test-all docs fuzz wheel clean
+.PHONY: run lint test test-fast test-all docs fuzz wheel clean
 
 run: $(VENV)/installed
 	$(BIN)/seat-cosim build
 	$(BIN)/seat-cosim reproduce bump
 
-test: $(VENV)/installed-test
-	$(BIN)/seat-cosim build
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile -m "not long"
+lint: $(VENV)/installed-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
 
-test-all: $(VENV)/installed-test
+test: lint
 	$(BIN)/seat-cosim build
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
+	$(PYTEST) -m "not long"
+
+test-fast: lint
+	$(PYTEST) -m "not builds and not slow and not long"
+
+test-all: lint
+	$(BIN)/seat-cosim build
+	$(PYTEST)
 
 docs: $(VENV)/installed-docs
 	$(BIN)/python -m seat_cosim.reference

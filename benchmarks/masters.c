@@ -1,5 +1,5 @@
-/* The seat suspension as a C program of its own: three FMUs by dlopen, the calls of the master, time and six signals kept.
- * Prints us per step of its second run; writes the rows to the file that is named to it. */
+/* The seat suspension as a C program of its own: three FMUs by dlopen, the calls of the master, time and six signals
+ * kept. Prints us per step of its second run; writes the rows to the file that is named to it. */
 #define _POSIX_C_SOURCE 199309L
 
 #include "fmi2Functions.h"
@@ -33,7 +33,8 @@ static void check(int fine)
     }
 }
 
-static void logger(fmi2ComponentEnvironment it, fmi2String name, fmi2Status status, fmi2String kind, fmi2String text, ...)
+static void logger(fmi2ComponentEnvironment it, fmi2String name, fmi2Status status, fmi2String kind, fmi2String text,
+                   ...)
 {
     (void)it, (void)status, (void)kind;
     fprintf(stderr, "%s: %s\n", name, text);
@@ -96,7 +97,8 @@ static double run(const Fmu *shaker, const Fmu *seat, const Fmu *controller, dou
     for (int k = 0; k < STEPS; ++k) {
         const double t = (double)k * STEP_SIZE;
         record(rows[k], t);
-        const fmi2Real measured[] = {seat_[SEAT_seat_acceleration_measured], seat_[SEAT_suspension_deflection_measured]};
+        const fmi2Real measured[] = {seat_[SEAT_seat_acceleration_measured],
+                                     seat_[SEAT_suspension_deflection_measured]};
         check(controller->set(controller->component, controller_inputs, 2, measured) == fmi2OK);
         step(controller, t);
         check(controller->get(controller->component, controller_outputs, CONTROLLER_OUTPUTS, control) == fmi2OK);
@@ -119,7 +121,7 @@ int main(int count, char *arguments[])
 {
     Fmu fmus[] = {load("shaker", SHAKER_LIBRARY, SHAKER_GUID), load("seat", SEAT_LIBRARY, SEAT_GUID),
                   load("controller", CONTROLLER_LIBRARY, CONTROLLER_GUID)};
-    double(*rows)[WIDTH] = NULL, spent = 0.0;
+    double (*rows)[WIDTH] = NULL, spent = 0.0;
     for (int round = 0; round < 2; ++round) {
         for (int i = 0; i < 3; ++i) {
             check(fmus[i].reset(fmus[i].component) == fmi2OK && fmus[i].enter(fmus[i].component) == fmi2OK);

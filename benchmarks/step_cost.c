@@ -1,5 +1,5 @@
-/* What a step costs, in ns: the kernel's alone, and by way of the FMI 2.0 functions a host calls, setting inputs and getting
- * outputs included. Prints the median over many rounds and the quickest of them, for either. */
+/* What a step costs, in ns: the kernel's alone, and by way of the FMI 2.0 functions a host calls, setting inputs and
+ * getting outputs included. Prints the median over many rounds and the quickest of them, for either. */
 #define _POSIX_C_SOURCE 199309L
 
 #include "component.h"
@@ -59,7 +59,7 @@ static void kernel(double *sum)
         exit(1);
     }
     ModelInputs taken = model_inputs(values);
-    model_initial(&state, &taken, &coefficients, 0.0, &outputs);
+    model_initialize(&state, &taken, &coefficients, 0.0, &outputs);
     for (int round = 0; round < ROUNDS; ++round) {
         const double begin = now();
         for (int k = 0; k < STEPS; ++k) {

@@ -1,29 +1,42 @@
-"""What goes wrong before, in and after a co-simulation, each with one line that says what, where, expected, got."""
+"""Errors of this package; each message is one line that says what, where, expected, got."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 
 
 class CosimError(Exception):
-    """Anything this package reports to its user."""
+    """Base of all errors that this package reports to its user."""
 
 
 class SetupError(CosimError):
-    """Seen before an FMU is instantiated: a missing file, an unknown variable, a wrong unit, a value out of range.
+    """An error found before an FMU is instantiated: a missing file, an unknown variable, a value out of range.
 
     Parameters
     ----------
+    *problems
+        All problems found, one line each.
+
+    Attributes
+    ----------
     problems
-        All problems found, one line each; checks collect before they stop.
+        The same as a tuple.
     """
 
     def __init__(self, *problems: str) -> None:
         super().__init__("; ".join(problems))
         self.problems = problems
+
+
+class RunError(CosimError):
+    """An FMU failed after it was instantiated; the message names component, call and time."""
+
+
+class SignalError(CosimError, ValueError):
+    """A metric cannot be computed from its samples: too few, not finite, of different lengths."""
 
 
 class Problems:
@@ -39,15 +52,21 @@ class Problems:
         self.found: list[str] = []
 
     @contextmanager
-    def collected(self) -> Iterator[None]:
-        """Add the problems of a :class:`SetupError` that is raised inside."""
+    def collected(self, describe: Callable[[str], str] = str) -> Iterator[None]:
+        """Add the problems of a :class:`SetupError` that is raised inside.
+
+        Parameters
+        ----------
+        describe
+            Applied to each problem, for example to add its place.
+        """
         try:
             yield
         except SetupError as error:
-            self.found += error.problems
+            self.found += map(describe, error.problems)
 
     def raise_any(self) -> None:
-        """Raise what was found.
+        """Raise the collected problems.
 
         Raises
         ------
@@ -58,17 +77,30 @@ class Problems:
             raise SetupError(*self.found)
 
 
-class RunError(CosimError):
-    """An FMU failed after it was instantiated; names component, call and time."""
+@contextmanager
+def prefixed(where: str) -> Iterator[None]:
+    """Add a place to each problem of a :class:`SetupError` that is raised inside.
 
-
-class SignalError(CosimError, ValueError):
-    """A metric was asked of samples it cannot be computed from: too few, not finite, of different lengths."""
+    Parameters
+    ----------
+    where
+        The place.
+    """
+    try:
+        yield
+    except SetupError as error:
+        raise SetupError(*(f"{where}: {problem}" for problem in error.problems)) from None
 
 
 @contextmanager
 def reading(file: Path) -> Iterator[None]:
-    """Name the file in every :class:`SetupError` about what it says, where it is not named already."""
+    """Add the name of a file to each problem of a :class:`SetupError` that is raised inside and does not name it.
+
+    Parameters
+    ----------
+    file
+        The file that is read.
+    """
     try:
         yield
     except SetupError as error:
@@ -77,7 +109,13 @@ def reading(file: Path) -> Iterator[None]:
 
 @contextmanager
 def writing_to(folder: Path) -> Iterator[None]:
-    """Turn what goes wrong in writing to a folder the user named into a :class:`SetupError`."""
+    """Convert an :class:`OSError` that is raised inside to a :class:`SetupError`.
+
+    Parameters
+    ----------
+    folder
+        The folder that is written to, as the user named it.
+    """
     try:
         yield
     except OSError as error:
@@ -85,6 +123,24 @@ def writing_to(folder: Path) -> Iterator[None]:
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """Return a hint at the names most like one that does not exist, or an empty string."""
+    """Return a hint at existing names that are similar to an unknown one.
+
+    Parameters
+    ----------
+    name
+        The unknown name.
+    names
+        The existing names.
+
+    Returns
+    -------
+    str
+        The hint in parentheses, to be appended to a message; empty where no name is similar.
+
+    Examples
+    --------
+    >>> did_you_mean("seet", ["seat", "shaker"])
+    ' (did you mean seat?)'
+    """
     close = get_close_matches(name, list(names), n=3, cutoff=0.5)
     return f" (did you mean {' or '.join(close)}?)" if close else ""

@@ -1,4 +1,4 @@
-"""Dataclasses as JSON, and back with every problem said: their type hints are the only description of the file."""
+"""Write dataclasses as JSON and read them back; the type hints are the schema, and all problems are reported."""
 
 from __future__ import annotations
 
@@ -11,12 +11,24 @@ from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 from cosim.errors import SetupError, did_you_mean
 
 T = TypeVar("T")
+"""The dataclass that is read."""
 
-_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", NoneType: "null"}
+_TYPE_NAMES = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", NoneType: "null"}
 
 
 def dump(data: Any) -> str:
-    """Write a dataclass as JSON, fields in their order; equal data give equal bytes, and numbers read back exactly."""
+    """Return a dataclass as JSON, with its fields in order.
+
+    Parameters
+    ----------
+    data
+        A dataclass as of :func:`load`.
+
+    Returns
+    -------
+    str
+        Equal data give equal text, and numbers read back to the same bits.
+    """
     return json.dumps(asdict(data), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
@@ -26,16 +38,22 @@ def load(kind: type[T], text: str, where: str) -> T:
     Parameters
     ----------
     kind
-        A dataclass of plain values, ``Literal``, lists, dicts by name, unions of these, and further such dataclasses.
+        A dataclass whose fields are plain values, ``Literal``, lists, dicts of names, unions of these, or such
+        dataclasses.
     text
-        What :func:`dump` wrote.
+        The JSON text.
     where
-        Name of the file, for messages.
+        Name of the file in messages.
+
+    Returns
+    -------
+    T
+        An instance of ``kind``.
 
     Raises
     ------
     SetupError
-        With all problems: no JSON, missing and unknown keys, values of another type.
+        With all problems: invalid JSON, missing and unknown keys, values of wrong types.
     """
     try:
         data = json.loads(text)
@@ -49,7 +67,7 @@ def load(kind: type[T], text: str, where: str) -> T:
 
 
 def _parse(hint: Any, data: Any, where: str, problems: list[str]) -> Any:
-    """Convert a JSON value to what a type hint asks for; what does not fit is added to the problems."""
+    """Convert a JSON value to the type of a hint; append a problem if it has another type."""
     if is_dataclass(hint) and isinstance(data, dict):
         return _parse_fields(hint, data, where, problems)
     origin, arguments = get_origin(hint), get_args(hint)
@@ -64,12 +82,12 @@ def _parse(hint: Any, data: Any, where: str, problems: list[str]) -> Any:
             return data
         if choice is float and type(data) is int and abs(data) < 2**1023:  # above, it is no float
             return float(data)
-    problems.append(f"{where}: expected {_expected(hint)}, got {_shown(data)}")
+    problems.append(f"{where}: expected {_expected(hint)}, got {_shortened(data)}")
     return None
 
 
 def _parse_fields(kind: Any, data: dict[str, Any], where: str, problems: list[str]) -> Any:
-    """Convert an object to a dataclass; None if keys or values do not fit."""
+    """Convert an object to a dataclass; None if keys or values are wrong."""
     hints = get_type_hints(kind)
     needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
     before = len(problems)
@@ -80,23 +98,23 @@ def _parse_fields(kind: Any, data: dict[str, Any], where: str, problems: list[st
 
 
 def _expected(hint: Any) -> str:
-    """Say what a type hint asks for."""
+    """Return the name of a hint's type in JSON."""
     origin, arguments = get_origin(hint), get_args(hint)
     if origin is UnionType:
         return " or ".join(map(_expected, arguments))
     if origin is Literal:
         return _listed(arguments)
-    return _WORDS.get(hint) or ("a list" if origin is list else "an object")
+    return _TYPE_NAMES.get(hint) or ("a list" if origin is list else "an object")
 
 
 def _listed(choices: Sequence[Any]) -> str:
     return f"one of {', '.join(map(str, choices))}" if len(choices) > 1 else str(choices[0])
 
 
-def _shown(data: Any) -> str:
-    """Show a JSON value, a long one by its beginning."""
+def _shortened(data: Any) -> str:
+    """Return a JSON value as text, shortened where it is long."""
     try:
         text = json.dumps(data, ensure_ascii=False)
-    except RecursionError:  # nested a little less deep than can be read
+    except RecursionError:  # nested almost too deep to be read
         return "too deep a nesting"
     return text if len(text) <= 40 else f"{text[:40]}…"

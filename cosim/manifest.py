@@ -1,4 +1,4 @@
-"""``run.json``: what is needed to repeat the run that made the result beside it, and to compare the bytes."""
+"""The file ``run.json``: how to repeat the run that gave the result beside it, and the hashes of the result's files."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from typing import Literal
 
 from cosim.engine.run_options import CheckedRun, RunOptions
 from cosim.engine.structure import Algorithm, Structure
-from cosim.errors import SetupError
+from cosim.errors import Problems, SetupError, prefixed
 from cosim.fmi.archive import is_file
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.isolated import TIME_LIMIT
-from cosim.fmi.values import KINDS, Checked
+from cosim.fmi.values import Checked
+from cosim.fmi.variable_types import KINDS
 from cosim.json_data import dump, load
 from cosim.results.file_sink import FileSink
 from cosim.results.formats import FORMATS
@@ -25,6 +26,7 @@ from cosim.system import System
 from cosim.units import Linear
 
 _PACKAGES = ("seat-cosim", "fmpy", "numpy")
+"""Packages that influence every result."""
 
 
 @dataclass(frozen=True)
@@ -34,16 +36,16 @@ class ComponentRecord:
     Attributes
     ----------
     fmu
-        Its file, or the archive (an ``.ssp`` file) that holds it, as the run was given it: absolute, or relative to the
-        folder the run was started in.
+        Path of the FMU, or of the archive (an ``.ssp`` file) that holds it, as given to the run: absolute, or relative
+        to the folder in which the run was started.
     member
-        Its name in the archive; None for a file of its own.
+        Name of the FMU in the archive; None where ``fmu`` is the FMU itself.
     sha256
-        Of the FMU, in an archive or not.
+        Hash of the FMU.
     model, guid, fmi
-        What its description says of itself: name, GUID (instantiation token in FMI 3), version of the standard.
+        Model name, GUID (instantiation token in FMI 3) and version of FMI from the model description.
     step_size
-        Its own, in s; None where it is that of the run.
+        The component's own step size in s; None where it is that of the run.
     """
 
     fmu: str
@@ -57,14 +59,14 @@ class ComponentRecord:
 
 @dataclass(frozen=True)
 class ConnectionRecord:
-    """What feeds an input: ``factor`` * output + ``offset``, the conversion of units included.
+    """A connection of a run: input = ``factor`` * output + ``offset``.
 
     Attributes
     ----------
     output, input
-        As ``component.variable``.
+        ``component.variable`` of each end.
     factor, offset
-        Of the transformation.
+        The transformation, which includes the conversion of units.
     """
 
     output: str
@@ -75,38 +77,46 @@ class ConnectionRecord:
 
 @dataclass(frozen=True)
 class Manifest:
-    """A run and how it ended. Holds no date, and nothing of the folder it lies in.
+    """A run and its end; independent of the date and of the folder in which it is stored.
 
     Attributes
     ----------
     format
-        Version of this file's form.
+        Version of the file format.
     complete
-        Whether the run reached its stop time; false as long as it runs.
-    rows, error, warnings
-        Of the result: how many, why it is not complete, what the FMUs said.
+        Whether the run reached its stop time; false during the run.
+    rows
+        Number of rows of the result.
+    error
+        Why the run is incomplete; None where it is complete.
+    warnings
+        Warnings of the FMUs.
     files
-        Name of each file of the result to its sha256.
+        Name of each result file to its sha256.
     command
-        What was typed, word by word; empty if the run was not started from a command line.
-    versions, platform
-        Of what ran it.
+        Words of the command line; empty if the run was not started from one.
+    versions
+        Package, and ``python``, to the version that ran.
+    platform
+        Operating system and machine.
     name
-        Of the system.
+        Name of the system.
     components
-        By name, in the order they were added.
+        Name to component, in the order in which they were added.
     connections
-        In the order they were made.
+        In the order in which they were made.
     order, algorithm
-        How values are exchanged.
+        Order in which the components step, and how they exchange values.
     parameters
-        All that were given, ``component.variable`` to value; enumerations by name.
+        ``component.variable`` to value, for all parameters that were given; enumerations by item name.
     stop_time, step_size
-        In s.
-    record, record_every
-        Which outputs, and every how many steps.
+        Stop time and communication step size in s.
+    record
+        The recorded outputs as ``component.variable``.
+    record_every
+        N, where every N-th communication point is recorded.
     formats
-        Of the files.
+        Names of the formats of the result files.
     real_time
         Whether it was paced; a run again is not, the values are the same.
     isolate, time_limit
@@ -151,23 +161,28 @@ class Manifest:
         command: Sequence[str] = (),
         checked: CheckedRun | None = None,
     ) -> Manifest:
-        """Describe a run that is about to begin.
+        """Describe a run before it begins.
 
         Parameters
         ----------
         system
-            What runs.
+            The system that runs.
         options
-            Of the run.
+            Options of the run.
         command
-            The user's command line, if any.
+            Words of the user's command line, if any.
         checked
-            What :meth:`RunOptions.check` returned for the system, where it was called already.
+            The options as checked by :meth:`RunOptions.check` for the system, where that was done already.
+
+        Returns
+        -------
+        Manifest
+            Incomplete, without rows and files.
 
         Raises
         ------
         SetupError
-            If the run is not possible.
+            If the options are not valid for the system.
         """
         options = options or RunOptions()
         checked = checked or options.check(system)
@@ -206,7 +221,24 @@ class Manifest:
     def ended(
         self, complete: bool, error: Exception | None, warnings: Iterable[str], sinks: Sequence[FileSink]
     ) -> Manifest:
-        """Describe the same run when it is over, its files written."""
+        """Describe the same run after its end, when its files are written.
+
+        Parameters
+        ----------
+        complete
+            Whether the run reached its stop time.
+        error
+            Why it did not; None where it did.
+        warnings
+            Warnings of the FMUs.
+        sinks
+            The sinks that wrote the result files; the first one is that of the CSV file.
+
+        Returns
+        -------
+        Manifest
+            A copy with the end of the run.
+        """
         return replace(
             self,
             complete=complete,
@@ -217,19 +249,36 @@ class Manifest:
         )
 
     def write(self, folder: Path) -> None:
-        """Write ``run.json`` to a folder; an earlier one is replaced at once."""
+        """Write ``run.json`` to an existing folder; an earlier one is replaced atomically.
+
+        Parameters
+        ----------
+        folder
+            An existing folder.
+        """
         unfinished = folder / f"{MANIFEST}.tmp"
         unfinished.write_text(dump(self), encoding="utf-8")
         unfinished.replace(folder / MANIFEST)
 
     @classmethod
     def read(cls, path: Path) -> Manifest:
-        """Read a ``run.json``.
+        """Read a manifest from a ``run.json``.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Returns
+        -------
+        Manifest
+            Of a complete or an incomplete run.
 
         Raises
         ------
         SetupError
-            With all problems: no such file, no JSON, another format version, missing or unknown keys, wrong types.
+            With all problems: no such file, invalid JSON, another version of the file format, missing or unknown keys,
+            values of wrong types.
         """
         try:
             text = path.read_text(encoding="utf-8", errors="replace")
@@ -238,12 +287,12 @@ class Manifest:
         return load(cls, text, str(path))
 
     def system(self) -> System:
-        """Build the system again.
+        """Rebuild the system of the run.
 
         Raises
         ------
         SetupError
-            With all FMUs that are missing or not those of the run; if something does not fit them.
+            With all FMUs that are missing or differ from those of the run; if connections or parameters are not valid.
         """
         system = System()
         system.name = self.name
@@ -261,33 +310,39 @@ class Manifest:
         return system
 
     def _models(self) -> dict[str, ModelDescription]:
-        """Read the FMUs, if they are those of the run."""
+        """Read the FMUs' descriptions and compare the FMUs with those of the run."""
         models: dict[str, ModelDescription] = {}
-        problems: list[str] = []
+        problems = Problems()
         for name, component in self.components.items():
-            path = Path(component.fmu)
-            where = "" if path.is_absolute() or is_file(path) else f" in {Path.cwd()}, where its path starts"
-            try:
-                model = models[name] = ModelDescription.read(path, component.member)
-            except SetupError as error:
-                problems += [f"{name}: {problem}{where}" for problem in error.problems]
-                continue
-            if (found := _hash(model)) != component.sha256:
-                expected = f"the FMU of the run (sha256 {component.sha256:.12}…)"
-                problems.append(f"{name}: {model.where}: expected {expected}, got another ({found:.12}…)")
-        if problems:
-            raise SetupError(*problems)
+            with problems.collected(), prefixed(name):
+                models[name] = _model(component)
+        problems.raise_any()
         return models
 
 
 def sha256(path: Path) -> str:
-    """Hash a file."""
+    """Return the SHA-256 hash of a file as hexadecimal digits."""
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _hash(model: ModelDescription) -> str:
     return hashlib.sha256(model.content()).hexdigest()
+
+
+def _model(component: ComponentRecord) -> ModelDescription:
+    """Read the description of a component's FMU and compare the FMU with that of the run."""
+    path = Path(component.fmu)
+    try:
+        model = ModelDescription.read(path, component.member)
+    except SetupError as error:
+        if path.is_absolute() or is_file(path):
+            raise
+        raise SetupError(*(f"{p} in {Path.cwd()}, where its path starts" for p in error.problems)) from None
+    if (found := _hash(model)) != component.sha256:
+        expected = f"the FMU of the run (sha256 {component.sha256:.12}…)"
+        raise SetupError(f"{model.where}: expected {expected}, got another ({found:.12}…)")
+    return model
 
 
 def _component(system: Structure, name: str) -> ComponentRecord:
@@ -314,22 +369,22 @@ def _parameters(
         for variable, value in given.items():
             names = model.elements(component, variable, sizes[component]).names
             for name, element in zip(names, value if isinstance(value, tuple) else [value], strict=True):
-                found[f"{component}.{name}"] = _shown(model, variable, element)
+                found[f"{component}.{name}"] = _typed_value(model, variable, element)
     return dict(sorted(found.items()))
 
 
-def _shown(model: ModelDescription, name: str, value: float | str) -> bool | int | float | str:
-    """Show what an FMU takes for a variable as its type means it."""
+def _typed_value(model: ModelDescription, name: str, value: float | str) -> bool | int | float | str:
+    """Convert a value of :meth:`ModelDescription.value` to its type: item names, Booleans, integers."""
     variable = model.variables[name]
     kind = KINDS[variable.type]
     if kind == "Enumeration":
         return next((str(i.name) for i in variable.declaredType.items if float(i.value) == value), value)
-    as_meant = {"Boolean": bool, "Integer": int}.get(kind)
-    return as_meant(value) if as_meant else value
+    convert = {"Boolean": bool, "Integer": int}.get(kind)
+    return convert(value) if convert else value
 
 
 def _versions(formats: Iterable[str]) -> dict[str, str]:
-    """List versions of what has a part in the result's bytes."""
+    """Return the versions of Python and of the packages that influence the result's bytes."""
     packages = (*_PACKAGES, *(p for name in formats if (p := FORMATS[name].package)))
     return {"python": platform.python_version(), **{name: _version(name) for name in sorted(packages)}}
 

@@ -12,8 +12,8 @@ from cosim.engine.session import Session
 from cosim.errors import CosimError, RunError, writing_to
 from cosim.manifest import Manifest
 from cosim.results.file_sink import FileSink
-from cosim.results.formats import sinks
-from cosim.results.result import MANIFEST, Result, clear
+from cosim.results.formats import create_sinks
+from cosim.results.result import MANIFEST, Result, prepare_folder
 from cosim.system import System
 
 
@@ -59,11 +59,11 @@ def run_to_folder(
     if session is not None:
         options = replace(options, isolate=session.isolated, time_limit=session.time_limit)
     checked = options.check(system)
-    files = sinks(folder, options.formats)
+    files = create_sinks(folder, options.formats)
     manifest = Manifest.of(system, options, command, checked)
     options = replace(options, sinks=(*files, *options.sinks))
     with writing_to(folder):
-        clear(folder)
+        prepare_folder(folder)
         manifest.write(folder)
     try:
         with nullcontext(session) if session else _open(system, options) as loaded:

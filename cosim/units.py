@@ -1,10 +1,13 @@
-"""Units as FMUs define them, units known by their names, and the conversion of values between two of one dimension."""
+"""Units by their definition in base units or by their name, and the conversion of values between two of them."""
 
 from __future__ import annotations
 
 import re
 from functools import cache
 from typing import Any, NamedTuple
+
+BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+"""The base units of FMI and SSP, in the order of :attr:`Unit.exponents`."""
 
 
 class Unit(NamedTuple):
@@ -13,11 +16,11 @@ class Unit(NamedTuple):
     Attributes
     ----------
     name
-        As its FMU calls it.
+        The unit's name in its FMU or SSP file.
     exponents
-        Of kg, m, s, A, K, mol, cd, rad.
+        Exponents of :data:`BASE_UNITS`.
     factor, offset
-        To the base units.
+        Conversion to the base units.
     """
 
     name: str
@@ -25,25 +28,67 @@ class Unit(NamedTuple):
     factor: float = 1.0
     offset: float = 0.0
 
+    @classmethod
+    def from_base_unit(cls, name: str, base_unit: Any) -> Unit:
+        """Create a unit from an object that mirrors the element ``BaseUnit`` of FMI and SSP.
+
+        Parameters
+        ----------
+        name
+            The unit's name.
+        base_unit
+            An object with the attributes :data:`BASE_UNITS`, ``factor`` and ``offset``.
+
+        Returns
+        -------
+        Unit
+            The unit with the definition of the element.
+        """
+        exponents = tuple(getattr(base_unit, symbol) for symbol in BASE_UNITS)
+        return cls(name, exponents, base_unit.factor, base_unit.offset)
+
 
 class Linear(NamedTuple):
-    """A linear transformation: new = ``factor`` * value + ``offset``."""
+    """A linear transformation: new = ``factor`` * value + ``offset``.
+
+    Attributes
+    ----------
+    factor, offset
+        Its coefficients.
+    """
 
     factor: float = 1.0
     offset: float = 0.0
 
     def __call__(self, value: float) -> float:
-        """Transform a value; the identity does not change its bits."""
+        """Transform a value; the identity returns it unchanged."""
         return value if self == IDENTITY else self.factor * value + self.offset
 
     def after(self, first: Linear) -> Linear:
-        """Compose two transformations: ``first``, then this one."""
+        """Compose two transformations into one.
+
+        Parameters
+        ----------
+        first
+            The transformation that is applied before this one.
+
+        Returns
+        -------
+        Linear
+            Both in one.
+
+        Examples
+        --------
+        >>> Linear(2.0, 1.0).after(Linear(10.0))
+        Linear(factor=20.0, offset=1.0)
+        """
         if first == IDENTITY or self == IDENTITY:
             return self if first == IDENTITY else first
         return Linear(self.factor * first.factor, self(first.offset))
 
 
 IDENTITY = Linear()
+"""The transformation that returns each value unchanged."""
 
 
 def conversion(source: Unit | None, sink: Unit | None, relative: bool = False) -> Linear | None:
@@ -59,7 +104,15 @@ def conversion(source: Unit | None, sink: Unit | None, relative: bool = False) -
     Returns
     -------
     Linear or None
-        None if the dimensions differ.
+        The conversion; None if the dimensions differ.
+
+    Examples
+    --------
+    >>> metre, second = Unit("m", (0, 1, 0, 0, 0, 0, 0, 0)), Unit("s", (0, 0, 1, 0, 0, 0, 0, 0))
+    >>> conversion(Unit("mm", metre.exponents, 0.001), metre)
+    Linear(factor=0.001, offset=0.0)
+    >>> conversion(metre, second) is None
+    True
     """
     if source is None or sink is None or source[1:] == sink[1:]:
         return IDENTITY

@@ -1,4 +1,7 @@
-"""How a component becomes an FMU: variables, description, flavours, build. Built FMUs lie in subfolders here."""
+"""Export of components as FMUs: declaration of variables, model descriptions, C headers, builds.
+
+Built FMUs are written to subfolders of this folder.
+"""
 
 FLAVOURS = ("fmi2", "fmi3", "python")
-"""All flavours, the default first; the FMUs of a flavour lie in the folder of its name."""
+"""Names of all flavours, the default first; each flavour's FMUs are in the folder of its name."""

@@ -1,4 +1,4 @@
-"""What the project calls a component: an interface of variables and two pure functions over it."""
+"""The interface between models and FMUs: a component is a set of variables and pure functions over its state."""
 
 from __future__ import annotations
 
@@ -7,27 +7,27 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
-from fmus.variables import TIME, Terminal, Variable, variables_of
+from fmus.variables import TIME, Terminal, VariableDeclaration, variables_of
 
-SAME_TIME = 1e-9
-"""Relative (above 1 s) or absolute (below, in s) distance within which two times are the same."""
+TIME_TOLERANCE = 1e-9
+"""Relative (above 1 s) or absolute (below, in s) difference up to which two times are equal."""
 
-LATEST_TIME = 1e9
-"""Largest magnitude of a time, in s: 30 years, where times are still told apart to 1e-7 s."""
+MAX_TIME = 1e9
+"""Largest magnitude of a time, in s: 30 years, where times are resolved to 1e-7 s."""
 
-LONGEST_STEP = 1e3
-"""Longest communication step, in s: a longer one would take so long that it looked like a hang."""
+MAX_STEP_SIZE = 1e3
+"""Largest communication step size, in s: a longer step would take too long to compute."""
 
-FARTHEST_TICK = 1.0
-"""How far a state's own clock may be from the time reached, in s, hosts' rounding errors at late times included."""
+CLOCK_TOLERANCE = 1.0
+"""Largest difference in s between the clock in a state and the time of the run; allows for rounding errors of hosts."""
 
 
 class ParameterError(ValueError):
-    """Parameters that are each within their range but contradict one another."""
+    """Parameters that are each within their range, but contradict one another."""
 
 
 class DefaultExperiment(NamedTuple):
-    """What a description recommends to a host.
+    """Default experiment of a model description.
 
     Attributes
     ----------
@@ -47,28 +47,28 @@ class StateField(NamedTuple):
     Attributes
     ----------
     path
-        Its name, or the names that lead to it through nested states, joined by dots.
+        Name of the field; in nested states the names that lead to it, joined by dots.
     kind
-        ``float``, ``int`` or ``bool``, of each number.
+        Type of each number: ``float``, ``int`` or ``bool``.
     length
-        How many numbers, None where it is one and no tuple.
-    used
-        Path of the field that tells how many of them are in use, the others being zero; None where all are.
+        Number of values of a tuple, None for a single number.
+    length_field
+        Path of the field with the number of values in use, the others being zero; None if all are in use.
     """
 
     path: str
     kind: type
     length: int | None
-    used: str | None = None
+    length_field: str | None = None
 
 
-class _Part(NamedTuple):
-    """A part of a state: as :class:`StateField`, its kind a class where it is a state itself."""
+class _Member(NamedTuple):
+    """A member of a state class: as :class:`StateField`, but ``kind`` is a class if the member is a state itself."""
 
     name: str
     kind: type
     length: int | None
-    used: str | None
+    length_field: str | None
 
     @property
     def is_state(self) -> bool:
@@ -76,93 +76,137 @@ class _Part(NamedTuple):
 
 
 @cache
-def _parts(state: type) -> tuple[_Part, ...]:
-    """Read the parts of a state class; cached, as its module may not be found any more later."""
-    parts = []
+def _members(state: type) -> tuple[_Member, ...]:
+    """Read the members of a state class; cached, as the module of the class may be unloaded later."""
+    members = []
     for name, hint in get_type_hints(state, include_extras=True).items():
         if get_origin(hint) is Annotated:
-            numbers, length, *used = get_args(hint)
-            parts.append(_Part(name, get_args(numbers)[0], length, used[0] if used else None))
+            numbers, length, *length_field = get_args(hint)
+            members.append(_Member(name, get_args(numbers)[0], length, length_field[0] if length_field else None))
         else:
-            parts.append(_Part(name, hint, None, None))
-    return tuple(parts)
+            members.append(_Member(name, hint, None, None))
+    return tuple(members)
 
 
 @cache
 def state_fields(state: type, prefix: str = "") -> tuple[StateField, ...]:
-    """Read the fields of a state class, those of nested states in their place.
+    """Read the fields of a state class, with the fields of nested states in their place.
 
-    A tuple of n numbers is declared ``Annotated[tuple[float, ...], n]``. The last field of all may be one of which only
-    a part is in use: ``Annotated[tuple[float, ...], n, "field"]``, where its neighbour ``field`` says how many numbers.
+    A tuple of n numbers is declared ``Annotated[tuple[float, ...], n]``. The last field of all may have a variable
+    number of values in use: ``Annotated[tuple[float, ...], n, "field"]``, where the member ``field`` of the same state
+    holds this number.
+
+    Parameters
+    ----------
+    state
+        ``NamedTuple`` class of numbers, tuples of numbers and further such states.
+    prefix
+        Prefix of all paths.
+
+    Returns
+    -------
+    tuple of StateField
+        In the order of :func:`pack_state`.
+
+    Examples
+    --------
+    >>> Inner = NamedTuple("Inner", [("value", float)])
+    >>> Outer = NamedTuple("Outer", [("inner", Inner), ("values", Annotated[tuple[float, ...], 2])])
+    >>> [(field.path, field.length) for field in state_fields(Outer)]
+    [('inner.value', None), ('values', 2)]
     """
     fields: list[StateField] = []
-    for part in _parts(state):
-        if part.is_state:
-            fields += state_fields(part.kind, f"{prefix}{part.name}.")
+    for member in _members(state):
+        if member.is_state:
+            fields += state_fields(member.kind, f"{prefix}{member.name}.")
         else:
-            used = prefix + part.used if part.used else None
-            fields.append(StateField(prefix + part.name, part.kind, part.length, used))
+            length_field = prefix + member.length_field if member.length_field else None
+            fields.append(StateField(prefix + member.name, member.kind, member.length, length_field))
     return tuple(fields)
 
 
-def numbers_of(state: Any) -> list[float]:
-    """Write a state as a flat list of numbers."""
+def pack_state(state: Any) -> list[float]:
+    """Convert a state to a flat list of numbers.
+
+    Parameters
+    ----------
+    state
+        State of a component.
+
+    Returns
+    -------
+    list of float
+        Numbers in the order of :func:`state_fields`.
+    """
     if not isinstance(state, tuple):
         return [float(state)]
-    return [number for part in state for number in numbers_of(part)]
+    return [number for member in state for number in pack_state(member)]
 
 
-def state_of(state: type, numbers: Iterable[float]) -> Any:
-    """Read a state of a class from what :func:`numbers_of` wrote."""
+def unpack_state(state: type, numbers: Iterable[float]) -> Any:
+    """Convert numbers from :func:`pack_state` back to a state.
+
+    Parameters
+    ----------
+    state
+        Class of the state.
+    numbers
+        Numbers in the order of :func:`state_fields`.
+
+    Returns
+    -------
+    state
+        Instance of the class.
+    """
     rest = iter(numbers)
 
-    def read(part: _Part) -> Any:
-        if part.is_state:
-            return state_of(part.kind, rest)
-        if part.length is None:
-            return part.kind(next(rest))
-        return tuple(part.kind(next(rest)) for _ in range(part.length))
+    def unpack(member: _Member) -> Any:
+        if member.is_state:
+            return unpack_state(member.kind, rest)
+        if member.length is None:
+            return member.kind(next(rest))
+        return tuple(member.kind(next(rest)) for _ in range(member.length))
 
-    return state(*map(read, _parts(state)))
+    return state(*map(unpack, _members(state)))
 
 
 @dataclass(frozen=True)
 class Component:
-    """A model that can become an FMU, in any flavour.
+    """A model that can be exported as an FMU, in any flavour.
 
     The state is a ``NamedTuple`` of numbers, tuples of numbers and further such states, so it can be saved, compared
-    and restored as it is; everything that is computed from parameters alone stands apart, in the coefficients.
+    and restored. What is computed from parameters alone is kept apart from it, in the coefficients.
 
     Attributes
     ----------
     name
         FMI model name and identifier.
     description
-        One sentence for the FMU's description.
+        One sentence for the model description.
     module
-        Name of the module in which the component stands; what it imports is what a Python FMU carries.
+        Name of the module that defines the component; a Python FMU contains this module and what it imports.
     inputs, outputs, parameters, constants
-        Interface dataclasses, see :mod:`fmus.variables`; ``constants`` may be None.
+        Dataclasses of variables, see :mod:`fmus.variables`; ``constants`` may be None.
     state
         ``NamedTuple`` class of the state, see :func:`state_fields`.
     prepare
-        ``prepare(parameters) -> coefficients``; raises :class:`ParameterError` where parameters contradict.
-    initial
-        ``initial(inputs, coefficients, time) -> (state, outputs)`` at the start of a run, ``time`` in s.
+        ``prepare(parameters) -> coefficients``; raises :class:`ParameterError` if parameters contradict one another.
+    initialize
+        ``initialize(inputs, coefficients, time) -> (state, outputs)`` at the start of a run, ``time`` in s.
     advance
-        ``advance(state, inputs, coefficients, time, step_size) -> (state, outputs)``: from ``time`` to
-        ``time + step_size``, both in s, inputs as set at ``time``; outputs hold at the end of the step.
+        ``advance(state, inputs, coefficients, time, step_size) -> (state, outputs)`` from ``time`` to
+        ``time + step_size``, both in s. The inputs are those at ``time``, the outputs those at the end of the step.
     is_valid_state
-        ``is_valid_state(state, parameters, time) -> bool``: whether a run can have that state, all numbers of it
-        finite, when it has reached ``time``, in s; what comes from outside is asked.
+        ``is_valid_state(state, parameters, time) -> bool``: whether a run that has reached ``time``, in s, can have a
+        state with finite numbers. It is called for states that come from outside.
     warnings
-        ``warnings(parameters) -> texts`` for legal parameters that a user should think about.
+        ``warnings(parameters) -> texts`` about legal parameters that are probably not intended.
     terminals
-        Which variables make a plug together.
+        Variables that belong to one plug.
     resources
-        Makes the files that the FMU carries in its folder of resources, by name.
+        Returns the files in the resources of the FMU, content by name.
     sample_time
-        Period in s of a component that samples, None for others.
+        Period in s of a component with samples, None for others.
     """
 
     name: str
@@ -173,7 +217,7 @@ class Component:
     parameters: type
     state: type
     prepare: Callable[[Any], Any]
-    initial: Callable[[Any, Any, float], tuple[Any, Any]]
+    initialize: Callable[[Any, Any, float], tuple[Any, Any]]
     advance: Callable[[Any, Any, Any, float, float], tuple[Any, Any]]
     is_valid_state: Callable[[Any, Any, float], bool] = lambda state, parameters, time: True
     constants: type | None = None
@@ -183,10 +227,10 @@ class Component:
     sample_time: float | None = None
 
     def __post_init__(self) -> None:
-        state_fields(self.state)  # while its module can be looked up, which in a Python FMU is while it is imported
+        state_fields(self.state)  # fills the cache while the module is loaded, in a Python FMU only during its import
 
     @cached_property
-    def variables(self) -> tuple[Variable, ...]:
+    def variables(self) -> tuple[VariableDeclaration, ...]:
         """All variables; the position is the value reference, in every flavour."""
         records = [self.inputs, self.outputs, self.parameters, *([self.constants] if self.constants else [])]
         variables = (TIME, *(variable for record in records for variable in variables_of(record)))

@@ -1,13 +1,14 @@
-/* Subnormal numbers; explained in subnormal.py. */
+/* Flushing of subnormal numbers, the C twin of subnormal.py. */
 #ifndef SUBNORMAL_H
 #define SUBNORMAL_H
 
-#define SMALLEST_STATE 1e-30
+/* States of smaller magnitude are set to zero, in their own unit. */
+#define MIN_STATE 1e-30
 
-/* A state, or zero where its magnitude is below SMALLEST_STATE. */
+/* Return a state, or zero if its magnitude is below MIN_STATE. */
 static inline double flush_subnormal(double state)
 {
-    return state > -SMALLEST_STATE && state < SMALLEST_STATE ? 0.0 : state;
+    return state > -MIN_STATE && state < MIN_STATE ? 0.0 : state;
 }
 
 #endif

@@ -1,11 +1,25 @@
-"""Subnormal numbers: a state that fades out would become subnormal, and arithmetic with it five to ten times slower."""
+"""Flushing of subnormal numbers.
+
+A state that decays would become subnormal, and arithmetic with subnormal numbers is five to ten times slower.
+"""
 
 from __future__ import annotations
 
-SMALLEST_STATE = 1e-30
-"""States of smaller magnitude are zero, in their own unit."""
+MIN_STATE = 1e-30
+"""States of smaller magnitude are set to zero, in their own unit."""
 
 
 def flush_subnormal(state: float) -> float:
-    """Return a state, or zero where its magnitude is below :data:`SMALLEST_STATE`."""
-    return 0.0 if abs(state) < SMALLEST_STATE else state
+    """Set a state of subnormal magnitude to zero.
+
+    Parameters
+    ----------
+    state
+        State, in any unit.
+
+    Returns
+    -------
+    float
+        The state, or 0 if its magnitude is below :data:`MIN_STATE`.
+    """
+    return 0.0 if abs(state) < MIN_STATE else state

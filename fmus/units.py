@@ -1,6 +1,6 @@
-"""Units by name: ``"N.s/m"`` to SI base exponents.
+"""SI base exponents of unit names such as ``"N.s/m"``.
 
-The grammar is Modelica's, which FMI tools expect in unit names: symbols with an optional integer exponent, joined by
+Unit names follow the grammar of Modelica, which FMI tools expect: symbols with an optional integer exponent, joined by
 ``.``, and at most one ``/`` before the denominator, e.g. ``kg``, ``m/s2``, ``N.s/m``, ``1/m2``.
 """
 
@@ -11,7 +11,13 @@ from typing import NamedTuple
 
 
 class Dimension(NamedTuple):
-    """Exponents of the SI base units that occur in this project; every unit here has factor 1 and offset 0."""
+    """Exponents of the SI base units in use; all units have factor 1 and offset 0.
+
+    Attributes
+    ----------
+    kg, m, s
+        Exponents of kilogram, metre and second.
+    """
 
     kg: int = 0
     m: int = 0
@@ -38,10 +44,15 @@ def dimension(unit: str) -> Dimension:
     unit
         Unit name in the grammar of this module, e.g. ``"N.s/m"``.
 
+    Returns
+    -------
+    Dimension
+        Exponents of kg, m and s.
+
     Raises
     ------
     ValueError
-        If the name does not follow the grammar or uses a symbol that is not known here.
+        If the name does not follow the grammar or contains an unknown symbol.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""The one declaration: what a variable of an FMU is, and how a model writes it down.
+"""Declaration of the variables of an FMU.
 
-A model declares its interface as dataclasses whose fields are made by :func:`input_`, :func:`output`,
-:func:`parameter` and :func:`constant`. The dataclasses serve the model's step function as typed records, and
-:func:`variables_of` reads the same fields as FMI variables. This module imports nothing of the project but units.
+A model declares its interface as dataclasses with fields from :func:`input_`, :func:`output`,
+:func:`parameter`, :func:`file_parameter` and :func:`constant`. The dataclasses serve the functions of the model as
+typed records, and :func:`variables_of` reads the same fields as FMI variables.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from typing import Any
 from fmus.units import dimension
 
 POSITIVE = 1e-9
-"""Stands for "greater than zero" where FMI knows inclusive bounds only, in the variable's own unit."""
+"""Minimum that stands for "greater than zero": FMI has inclusive bounds only. In the unit of the variable."""
 
-LONGEST_TEXT = 1023
-"""Most bytes of a text, in UTF-8."""
+MAX_TEXT_SIZE = 1023
+"""Largest size of a text, in bytes of UTF-8."""
 
 LEGAL_COMBINATIONS = {
     ("independent", "continuous", None),
@@ -30,12 +30,12 @@ LEGAL_COMBINATIONS = {
     ("parameter", "tunable", "exact"),
     ("local", "constant", "exact"),
 }
-"""Causality, variability and initial as this project uses them (a subset of FMI 2.0.4, table in section 2.2.7)."""
+"""Combinations of causality, variability and initial in use, a subset of FMI 2.0.4, table in section 2.2.7."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with its unit, its symbol in the paper and where it comes from.
+    """A number with its unit, its symbol in the paper and its source.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Quantity:
     symbol
         As in NOMENCLATURE.md.
     source
-        Where the number comes from, e.g. ``"Table 1"``, or ``"assumed"``.
+        Source of the value, e.g. ``"Table 1"``, or ``"assumed"``.
     """
 
     value: float
@@ -56,20 +56,32 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class Variable:
-    """One variable of an FMU, in the terms of FMI.
+class VariableDeclaration:
+    """Declaration of one variable of an FMU.
 
     Attributes
     ----------
     name
         FMI name, structured (``friction.alpha``).
     field
-        Name of the dataclass field that holds it in the model's code.
+        Name of the field in the dataclass of the model.
     type
-        ``float``, ``int``, ``bool``, an ``IntEnum`` whose members count from 1, or ``str`` for the name of a file.
+        ``float``, ``int``, ``bool``, an ``IntEnum`` with members from 1, or ``str`` for the name of a file.
+    causality, variability, initial
+        As in FMI, see :data:`LEGAL_COMBINATIONS`.
+    description
+        Text for the model description.
+    unit
+        Unit name, see :mod:`fmus.units`; None for other types than ``float``.
+    start
+        Start value, in ``unit``; None for an output.
+    minimum, maximum
+        Inclusive bounds, in ``unit``; None where there are none.
+    nominal
+        Typical magnitude, in ``unit``.
     dependencies
-        Names of the knowns this output depends on while initialising. After a step no output depends directly on an
-        input: a step function has taken the inputs in already.
+        Names of the knowns that an output depends on during initialisation. After a step no output depends directly on
+        an input, as the step has used the inputs already.
     """
 
     name: str
@@ -103,16 +115,21 @@ class Variable:
         return {item.name: item.value for item in self.type} if issubclass(self.type, IntEnum) else {}
 
     def problem(self, value: float | str) -> str | None:
-        """Say what is wrong with a value for this variable, or None.
+        """Return what is wrong with a value for this variable, or None.
 
         Parameters
         ----------
         value
-            In the variable's unit; an enumeration's number; a file's name.
+            Number in the unit of the variable, number of an enumeration item, or name of a file.
+
+        Returns
+        -------
+        str or None
+            Message with the name of the variable, what was expected and the value.
         """
         if isinstance(value, str):
             size = len(value.encode(errors="replace"))
-            return None if size <= LONGEST_TEXT else f"{self.name}: expected at most {LONGEST_TEXT} bytes, got {size}"
+            return None if size <= MAX_TEXT_SIZE else f"{self.name}: expected at most {MAX_TEXT_SIZE} bytes, got {size}"
         if not abs(value) < float("inf"):
             return f"{self.name}: expected a finite number, got {value}"
         if self.items and value not in self.items.values():
@@ -128,14 +145,14 @@ class Variable:
 
 @dataclass(frozen=True)
 class Terminal:
-    """Variables that belong to one plug; a plug fits one with the same members.
+    """A terminal of FMI 3 with the matching rule ``plug``: it fits a terminal with the same member names.
 
     Attributes
     ----------
     name, description
-        As in the FMU's description.
+        As in the terminal's description.
     members
-        Name of a member, the same at both plugs, to the name of the variable.
+        Member name, the same at both terminals, to the name of the variable.
     """
 
     name: str
@@ -143,7 +160,7 @@ class Terminal:
     members: Mapping[str, str]
 
 
-TIME = Variable(
+TIME = VariableDeclaration(
     name="time",
     field="time",
     type=float,
@@ -153,6 +170,7 @@ TIME = Variable(
     description="Simulation time",
     unit="s",
 )
+"""The independent variable, the first of every component."""
 
 
 def _declare(start: Any, name: str | None = None, **attributes: Any) -> Any:
@@ -160,14 +178,21 @@ def _declare(start: Any, name: str | None = None, **attributes: Any) -> Any:
 
 
 def input_(unit: str, description: str, *, nominal: float) -> Any:
-    """Declare an input: continuous, zero until it is set.
+    """Declare an input: continuous, with the start value zero.
 
     Parameters
     ----------
-    unit, description
-        As in the FMU's description.
+    unit
+        Unit name, see :mod:`fmus.units`.
+    description
+        Text for the model description.
     nominal
         Typical magnitude, in ``unit``.
+
+    Returns
+    -------
+    dataclass field
+        With the declaration in its metadata.
     """
     return _declare(
         0.0,
@@ -194,13 +219,22 @@ def output(
     Parameters
     ----------
     unit
-        Unit name; None for a Boolean.
+        Unit name, see :mod:`fmus.units`; None for a Boolean.
+    description
+        Text for the model description.
+    nominal
+        Typical magnitude, in ``unit``.
     discrete
-        True where the value changes at samples only.
+        True if the value changes at samples only.
     start
-        Value of the dataclass field before the model has calculated it; not part of the FMU's description.
+        Default of the dataclass field; not part of the model description.
     dependencies
-        FMI names of the knowns the value depends on while initialising.
+        FMI names of the knowns that the value depends on during initialisation.
+
+    Returns
+    -------
+    dataclass field
+        With the declaration in its metadata.
     """
     return _declare(
         start,
@@ -228,13 +262,20 @@ def parameter(
     Parameters
     ----------
     start
-        Default, with its unit, symbol and source where it is a physical one.
+        Start value; a physical one with its unit, symbol and source.
+    description
+        Text for the model description; symbol and source are appended.
     name
-        FMI name where it differs from the field's, e.g. ``"friction.alpha"``.
+        FMI name if it differs from that of the field, e.g. ``"friction.alpha"``.
     tunable
         Whether it may change between steps.
     minimum, maximum
         Inclusive bounds, in the unit of ``start``.
+
+    Returns
+    -------
+    dataclass field
+        With the declaration in its metadata.
     """
     unit = None
     value: Any = start
@@ -254,19 +295,24 @@ def parameter(
     )
 
 
-def file_name(start: str, description: str, *, name: str | None = None) -> Any:
-    """Declare a parameter that names a file, absolute or relative to the FMU's resources.
+def file_parameter(start: str, description: str, *, name: str | None = None) -> Any:
+    """Declare a parameter that is the path of a file, absolute or relative to the resources of the FMU.
 
-    An FMU hands its model the whole path.
+    The model receives the whole path.
 
     Parameters
     ----------
     start
-        Default.
+        Start value.
     description
-        As in the FMU's description.
+        Text for the model description.
     name
-        FMI name where it differs from the field's.
+        FMI name if it differs from that of the field.
+
+    Returns
+    -------
+    dataclass field
+        With the declaration in its metadata.
     """
     return _declare(
         start, name, causality="parameter", variability="fixed", initial="exact", unit=None, description=description
@@ -274,7 +320,20 @@ def file_name(start: str, description: str, *, name: str | None = None) -> Any:
 
 
 def constant(value: Quantity, description: str) -> Any:
-    """Declare a local constant that a host can read."""
+    """Declare a local constant that a host can read.
+
+    Parameters
+    ----------
+    value
+        Value with its unit, symbol and source.
+    description
+        Text for the model description; symbol and source are appended.
+
+    Returns
+    -------
+    dataclass field
+        With the declaration in its metadata.
+    """
     return _declare(
         value.value,
         causality="local",
@@ -285,18 +344,33 @@ def constant(value: Quantity, description: str) -> Any:
     )
 
 
-def variables_of(record: type) -> tuple[Variable, ...]:
-    """Read the fields of an interface dataclass as FMI variables, in their order; a default's type is the variable's.
+def variables_of(record: type) -> tuple[VariableDeclaration, ...]:
+    """Read the fields of an interface dataclass as FMI variables, in their order.
+
+    The type of a variable is that of the default of its field.
 
     Parameters
     ----------
     record
-        Dataclass whose fields were made by the functions of this module.
+        Dataclass with fields from the functions of this module.
+
+    Returns
+    -------
+    tuple of VariableDeclaration
+        One for each field.
 
     Raises
     ------
     ValueError
         If a declaration contradicts itself (combination, unit, start outside its bounds).
+
+    Examples
+    --------
+    >>> @dataclass
+    ... class Inputs:
+    ...     force: float = input_("N", "Force on the seat", nominal=100.0)
+    >>> [(variable.name, variable.unit) for variable in variables_of(Inputs)]
+    [('force', 'N')]
     """
     variables = []
     for field in dataclasses.fields(record):
@@ -306,5 +380,5 @@ def variables_of(record: type) -> tuple[Variable, ...]:
         kind = type(start)
         if attributes["initial"] == "calculated":
             start = None
-        variables.append(Variable(name=name, field=field.name, type=kind, start=start, **attributes))
+        variables.append(VariableDeclaration(name=name, field=field.name, type=kind, start=start, **attributes))
     return tuple(variables)

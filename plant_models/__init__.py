@@ -1,1 +1,1 @@
-"""What stands under and on the seat: the two-mass seat with its friction, and the shaker."""
+"""Models of the plant: the two-mass seat with friction, actuator and sensors, and the shaker that moves the floor."""

@@ -1,11 +1,11 @@
-/* splitmix64 and the polar method, without a library's logarithm. See random_numbers.h. */
+/* splitmix64 and the polar method with a logarithm of its own; see random_numbers.py. */
 #include "random_numbers.h"
 
 #include <math.h>
 #include <stddef.h>
 
-/* Scatter 64 bits: the output function of splitmix64. */
-static uint64_t mixed(uint64_t bits)
+/* Apply the output function of splitmix64. */
+static uint64_t mix(uint64_t bits)
 {
     bits = (bits ^ (bits >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
     bits = (bits ^ (bits >> 27)) * UINT64_C(0x94D049BB133111EB);
@@ -14,7 +14,7 @@ static uint64_t mixed(uint64_t bits)
 
 uint64_t random_bits(uint64_t stream, int64_t index)
 {
-    return mixed(stream + ((uint64_t)index + 1u) * UINT64_C(0x9E3779B97F4A7C15));
+    return mix(stream + ((uint64_t)index + 1u) * UINT64_C(0x9E3779B97F4A7C15));
 }
 
 uint64_t random_stream(uint32_t seed, uint32_t number)
@@ -22,7 +22,7 @@ uint64_t random_stream(uint32_t seed, uint32_t number)
     return random_bits(random_bits(0, (int64_t)seed), (int64_t)number);
 }
 
-/* Natural logarithm of a positive number, within a few units of the last place. */
+/* Return the natural logarithm of a positive number, accurate to a few units in the last place. */
 static double logarithm(double x)
 {
     static const double coefficients[] = {1.0 / 23.0, 1.0 / 21.0, 1.0 / 19.0, 1.0 / 17.0, 1.0 / 15.0, 1.0 / 13.0,

@@ -1,16 +1,16 @@
-"""Random numbers that are the same everywhere: the n-th number of a seed follows from seed and n alone.
+"""Reproducible random numbers: the n-th number of a seed follows from the seed and n alone.
 
-Bits come from splitmix64, whose n-th number needs none of those before it, so nothing has to be kept between calls.
-Normal numbers come from them by the polar method. Only integers, + - * / and the square root are used, which give the
-same on all machines, in Python and in C; a library's logarithm might not.
+The bits come from splitmix64. Its n-th number does not need the numbers before it, so no state is kept between calls.
+The polar method makes normal numbers from the bits. Only integers, + - * / and the square root are used; their results
+are the same on all machines, in Python and in C. The logarithm of a C library may differ between machines.
 """
 
 from __future__ import annotations
 
 import math
 
-MOST_SEED = 2**31 - 1
-"""Seeds reach from 0 to here: what FMI 2 takes as an integer."""
+MAX_SEED = 2**31 - 1
+"""Largest seed; the smallest is 0. FMI 2 stores integers with 32 bits."""
 
 _ALL_BITS = 2**64 - 1
 _STRIDE = 0x9E3779B97F4A7C15
@@ -19,46 +19,56 @@ _SQRT_HALF = 0.7071067811865476
 _SERIES = tuple(1.0 / n for n in range(23, 0, -2))
 
 
-def _mixed(bits: int) -> int:
-    """Scatter 64 bits: the output function of splitmix64."""
+def _mix(bits: int) -> int:
+    """Apply the output function of splitmix64 to 64 bits."""
     bits = ((bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9) & _ALL_BITS
     bits = ((bits ^ (bits >> 27)) * 0x94D049BB133111EB) & _ALL_BITS
     return bits ^ (bits >> 31)
 
 
 def random_bits(stream: int, index: int) -> int:
-    """Return the 64 bits at a place of a stream.
+    """Return 64 random bits of a stream.
 
     Parameters
     ----------
     stream
-        From :func:`random_stream`.
+        Stream from :func:`random_stream`.
     index
-        Place, of either sign.
+        Index of the number in the stream; may be negative.
+
+    Returns
+    -------
+    int
+        From 0 to 2^64 - 1.
 
     Examples
     --------
     >>> hex(random_bits(0, 0))
     '0xe220a8397b1dcdaf'
     """
-    return _mixed((stream + (index + 1) * _STRIDE) & _ALL_BITS)
+    return _mix((stream + (index + 1) * _STRIDE) & _ALL_BITS)
 
 
 def random_stream(seed: int, number: int = 0) -> int:
-    """Return one of the streams of a seed; streams of different seeds or numbers have nothing in common.
+    """Return a stream of a seed; streams of different seeds or numbers are independent.
 
     Parameters
     ----------
     seed
-        From 0 to :data:`MOST_SEED`.
+        From 0 to :data:`MAX_SEED`.
     number
-        Which stream, from 0.
+        Number of the stream, from 0.
+
+    Returns
+    -------
+    int
+        Stream for :func:`random_bits` and :func:`random_normal`.
     """
     return random_bits(random_bits(0, seed), number)
 
 
 def _logarithm(x: float) -> float:
-    """Natural logarithm of a positive number, within a few units of the last place."""
+    """Return the natural logarithm of a positive number, accurate to a few units in the last place."""
     mantissa, exponent = math.frexp(x)
     if mantissa < _SQRT_HALF:
         mantissa, exponent = 2.0 * mantissa, exponent - 1
@@ -70,15 +80,25 @@ def _logarithm(x: float) -> float:
     return exponent * _LN_2 + 2.0 * z * series
 
 
-def normal(stream: int, index: int) -> float:
-    """Return the normal number at a place of a stream: mean 0, standard deviation 1, up to 9.2 either way.
+def random_normal(stream: int, index: int) -> float:
+    """Return a normally distributed number of a stream: mean 0, standard deviation 1.
 
     Parameters
     ----------
     stream
-        From :func:`random_stream`.
+        Stream from :func:`random_stream`.
     index
-        Place, of either sign.
+        Index of the number in the stream; may be negative.
+
+    Returns
+    -------
+    float
+        Within [-9.2, 9.2].
+
+    Examples
+    --------
+    >>> random_normal(random_stream(1), 5) == random_normal(random_stream(1), 5)
+    True
     """
     bits = random_bits(stream, index)
     while True:

@@ -1,1 +1,1 @@
-"""The application: everything that knows what a seat suspension is."""
+"""The application of this project: the active seat suspension, its scenarios, evaluation and command line."""

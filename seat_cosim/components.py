@@ -1,4 +1,4 @@
-"""All components of this project, and the experiment that their FMUs recommend."""
+"""Components of this project, and the default experiment of their FMUs."""
 
 from __future__ import annotations
 
@@ -14,17 +14,37 @@ from seat_controller_fmu.controller import SEAT_CONTROLLER
 from seat_controller_fmu.parameters import SAMPLE_TIME
 
 if TYPE_CHECKING:  # the exporter takes long to load
-    from fmus.export.fmu_file import Built
+    from fmus.export.fmu_file import BuildResult
 
 COMPONENTS = (SEAT_CONTROLLER, SEAT_PLANT, SHAKER)
-"""What is built."""
+"""Components of which FMUs are built."""
 
 EXPERIMENT = DefaultExperiment(stop_time=3.0, step_size=SAMPLE_TIME.value)
-"""The paper's bump with its decay, in communication steps of the controller's sample time."""
+"""Default experiment of the FMUs: the paper's bump and its decay, with the controller's sample time as step size."""
 
 
-def build(folder: Path, flavours: Sequence[str] = FLAVOURS, platforms: Sequence[str] = ()) -> Iterator[Built]:
-    """Build all components of this project; parameters as those of :func:`fmus.export.build.build`."""
+def build(folder: Path, flavours: Sequence[str] = FLAVOURS, platforms: Sequence[str] = ()) -> Iterator[BuildResult]:
+    """Build the FMUs of all components of this project.
+
+    Parameters
+    ----------
+    folder
+        Each flavour's FMUs go to the subfolder of its name.
+    flavours
+        Names from :data:`fmus.FLAVOURS`.
+    platforms
+        Platforms of native FMUs, see :data:`fmus.export.native_fmu.PLATFORMS`; the host's where empty.
+
+    Returns
+    -------
+    iterator of BuildResult
+        Each FMU after it was built.
+
+    Raises
+    ------
+    BuildError
+        If a build tool fails.
+    """
     from fmus.export.build import build as build_all
 
     return build_all(COMPONENTS, EXPERIMENT, folder, flavours, platforms)

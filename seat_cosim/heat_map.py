@@ -1,4 +1,4 @@
-"""Heat maps: numbers over two lists of names, coloured by whether they lie below or above 1."""
+"""Heat maps: numbers in rows and columns, coloured by how far they are below or above 1."""
 
 from __future__ import annotations
 
@@ -15,15 +15,27 @@ from matplotlib.patches import Rectangle
 from seat_cosim.plotting import REPRODUCIBLE, save
 
 _STYLE: Any = {"figure.dpi": 120, "font.size": 9, **REPRODUCIBLE, "svg.fonttype": "none"}
-_WIDEST = 2.0
-"""Where the colours end; white is 1."""
+_LARGEST = 2.0
+"""Value at which the scale of colours ends; white is 1."""
 _STRENGTH = 0.6
-"""Of the colours, so that letters are read on all of them."""
+"""Strength of the colours from 0 to 1, with which letters are legible on all of them."""
 
 
 @dataclass(frozen=True)
 class HeatMap:
-    """One map; ``values`` has a row for each of ``rows``, a frame is drawn where ``framed`` is true."""
+    """One heat map.
+
+    Attributes
+    ----------
+    title
+        Line above the map.
+    rows, columns
+        Names of rows and columns.
+    values
+        Numbers, shape (rows, columns).
+    framed
+        Whether a frame is drawn around a number, shape (rows, columns).
+    """
 
     title: str
     rows: Sequence[str]
@@ -38,15 +50,15 @@ def draw_heat_maps(paths: Iterable[Path], maps: Sequence[HeatMap]) -> None:
     Parameters
     ----------
     paths
-        Where to, by suffix ``.png`` or ``.svg``; the folders exist.
+        Files of the same figure, by suffix ``.png`` or ``.svg``; the folders exist.
     maps
-        From top to bottom.
+        Maps from top to bottom.
     """
     height = sum(0.8 + 0.28 * len(each.rows) for each in maps)
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(len(maps), 1, squeeze=False, figsize=(6.4, height), layout="constrained")
         for axis, each in zip(axes[:, 0], maps, strict=True):
-            colours = mpl.colormaps["RdBu_r"](each.values / _WIDEST)
+            colours = mpl.colormaps["RdBu_r"](each.values / _LARGEST)
             axis.imshow(1.0 - _STRENGTH * (1.0 - colours[..., :3]), aspect="auto", interpolation="nearest")
             axis.set_xticks(range(len(each.columns)), each.columns)
             axis.set_yticks(range(len(each.rows)), each.rows)

@@ -1,4 +1,4 @@
-"""Pages for a browser that need nothing beside them: a template of the package, figures embedded."""
+"""HTML pages that need no other file: templates of this package, with embedded figures."""
 
 from __future__ import annotations
 
@@ -10,14 +10,24 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 
 def render(template: str, **values: Any) -> str:
-    """Fill a template of this package, which extends ``page.html.jinja``; an unknown name in it is an error.
+    """Render a template of this package that extends ``page.html.jinja``.
 
     Parameters
     ----------
     template
-        Its file's name.
+        Path of its file in the package.
     values
-        What it shows; texts are escaped.
+        Values of the names in the template; texts are escaped.
+
+    Returns
+    -------
+    str
+        The page.
+
+    Raises
+    ------
+    jinja2.UndefinedError
+        If the template has a name without a value.
     """
     environment = Environment(
         loader=PackageLoader("seat_cosim", "."), autoescape=True, trim_blocks=True, undefined=StrictUndefined
@@ -26,5 +36,5 @@ def render(template: str, **values: Any) -> str:
 
 
 def embedded(figure: Path) -> str:
-    """Return an SVG file as an address that a page can show by itself."""
+    """Return an SVG file as a data URL, under which a page embeds it."""
     return "data:image/svg+xml;base64," + base64.b64encode(figure.read_bytes()).decode("ascii")

@@ -1,4 +1,4 @@
-"""Figures: curves over time or another axis, with labels and units."""
+"""Figures: curves over time or over another quantity, with labels and units."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 REPRODUCIBLE: Any = {"svg.hashsalt": "seat-cosim"}
-"""Settings under which the same figure has the same bytes."""
+"""Settings of matplotlib with which the same figure has the same bytes."""
 
 _STYLE: Any = {
     "axes.grid": True,
@@ -34,12 +34,24 @@ _STYLE: Any = {
     **REPRODUCIBLE,
 }
 _NARROW = 6.0
-"""Figures less wide, in inches, have legends of two columns: they are for pages that a phone shows as well."""
+"""Width in inches below which legends have two columns instead of four."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve: its name in the legend, its values, a matplotlib line style, and its own x where not the panel's."""
+    """One curve.
+
+    Attributes
+    ----------
+    name
+        Name in the legend.
+    values
+        Values on the vertical axis.
+    style
+        Line style, as keyword arguments of matplotlib's ``plot``.
+    x
+        Values on the horizontal axis; the panel's where None.
+    """
 
     name: str
     values: np.ndarray[Any, Any]
@@ -49,22 +61,22 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Axes with some curves.
+    """Axes with curves.
 
     Attributes
     ----------
     label
-        Of the vertical axis.
+        Label of the vertical axis.
     x
-        Where the curves are, unless they say so themselves; its ends are those of the axis.
+        Values on the horizontal axis, for curves without values of their own; its first and last are the axis' limits.
     curves
-        What is drawn.
+        Curves to draw.
     marks
-        Horizontal lines by name, e.g. a limit.
+        Name to the level of a horizontal line, e.g. a limit.
     x_label
-        Of a horizontal axis of its own; the figure's where None.
+        Label of the panel's own horizontal axis; the panels share one where None.
     limits
-        Ends of the vertical axis; what the curves need where None.
+        Limits of the vertical axis; chosen by the curves where None.
     """
 
     label: str
@@ -82,16 +94,16 @@ def by_unit(
     *,
     most: int = 6,
 ) -> list[Panel]:
-    """Put signals of one unit into one panel.
+    """Return panels that each hold the signals of one unit.
 
     Parameters
     ----------
     time
         In s.
     values, units
-        By signal.
+        Name of a signal to its samples, and to its unit.
     most
-        Number of panels, and of curves in each, at most; what comes later is left out.
+        Largest number of panels, and of curves in each; further ones are left out.
     """
     panels: dict[str, list[Curve]] = {}
     for name, signal in values.items():
@@ -118,19 +130,19 @@ def draw(
     Parameters
     ----------
     path
-        Where to; its suffix, ``.png`` or ``.svg``, says what. The folder exists.
+        File, by suffix ``.png`` or ``.svg``; the folder exists.
     title
-        One line above.
+        Line above the panels.
     panels
-        From top to bottom.
+        Panels from top to bottom.
     x_label
-        Of the horizontal axis, which panels share unless one has its own.
+        Label of the horizontal axis, which the panels share unless one has its own.
     log
         Whether both axes are logarithmic.
     width
-        In inches.
+        Width in inches.
     dpi
-        Pixels an inch where not the usual ones.
+        Resolution in pixels per inch; 150 where None.
     copies
         Further files of the same figure.
     """
@@ -154,7 +166,17 @@ def draw(
 
 
 def save(figure: Figure, paths: Iterable[Path], dpi: float | None = None) -> None:
-    """Save a figure without dates and versions, and close it; ``dpi`` is its own where None."""
+    """Save a figure without dates and versions, and close it.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    paths
+        Files, by suffix ``.png`` or ``.svg``.
+    dpi
+        Resolution in pixels per inch; the figure's own where None.
+    """
     for path in paths:
         figure.savefig(path, dpi=dpi or "figure", metadata=_UNDATED[path.suffix])
         figure.set_layout_engine("none")  # once is enough
@@ -162,11 +184,11 @@ def save(figure: Figure, paths: Iterable[Path], dpi: float | None = None) -> Non
 
 
 _UNDATED: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}
-"""What keeps times and versions out of files, by suffix."""
+"""Suffix to the metadata without dates and versions."""
 
 
 def _fill(axis: Axes, panel: Panel, log: bool, columns: int) -> None:
-    """Draw one panel, the legend in so many columns."""
+    """Draw one panel; ``columns`` of the legend."""
     for curve in panel.curves:
         axis.plot(panel.x if curve.x is None else curve.x, curve.values, label=curve.name, **curve.style)
     for name, level in panel.marks.items():

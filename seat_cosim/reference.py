@@ -1,4 +1,4 @@
-"""Pages of the documentation that are generated from the code: ``python -m seat_cosim.reference`` writes them all."""
+"""Documentation pages that are generated from the code; ``python -m seat_cosim.reference`` writes them."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "docs/reference/validate.md": rules_page,
     "docs/reference/variables.md": variables_page,
 }
-"""Path in the repository to what writes the page."""
+"""Path in the repository to the function that returns the page."""
 
 
 def main() -> None:

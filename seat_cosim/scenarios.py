@@ -1,18 +1,20 @@
-"""What this project runs: the seat suspension's wiring, and the excitations with their defaults.
+"""The seat suspension as a system of three FMUs, the scenarios it is run in, and parameters with which it is varied.
 
-With :mod:`seat_cosim.paper.bump_test` and :mod:`seat_cosim.paper` all that knows signal names of the components in this
-package.
+Only this module, :mod:`seat_cosim.evaluation.seat` and :mod:`seat_cosim.paper` use names of the components' variables.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from cosim.engine.structure import Structure
 from cosim.errors import SetupError
 from cosim.fmi.values import Value
+from cosim.ssp import read_parameters
 from cosim.system import System
+from plant_models import parameter_sets
 
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
 
@@ -31,14 +33,14 @@ _CONNECTIONS = {
 
 @dataclass(frozen=True)
 class Scenario:
-    """An excitation and how long to look at it.
+    """An excitation and the stop time of its runs.
 
     Attributes
     ----------
     description
-        One line for the help.
+        One line.
     parameters
-        What makes the shaker do it.
+        Parameters of the shaker, as ``component.variable``.
     stop_time
         In s.
     """
@@ -55,31 +57,32 @@ SCENARIOS: dict[str, Scenario] = {
     "random": Scenario("random motion of an ISO 7096 class, EM1 by default", {"shaker.profile": "random"}, 60.0),
     "file": Scenario("a recording, the FMU's example by default", {"shaker.profile": "file"}, 10.0),
 }
-
+"""Name of a scenario to what it is."""
 
 OVERVIEW = {
     "Displacement": ["shaker.floor_displacement", "seat.suspension_deflection"],
     "Acceleration": ["shaker.floor_acceleration", "seat.seat_acceleration", "seat.driver_acceleration"],
     "Force": ["controller.force", "controller.disturbance_estimate", "seat.friction_force"],
 }
-"""What a figure of one run shows: a panel's quantity, and its signals of one unit."""
+"""Panels of a run's overview: quantity to its signals, which have one unit."""
 
 
 def seat_suspension(folder: Path) -> System:
-    """Wire shaker, seat and controller.
+    """Return the system of shaker, seat and controller, connected.
 
-    The order is controller, seat, shaker: no delay from sample to force, and the seat meets the floor of the step's
-    begin. (A shaker that steps before the seat would feed it the floor of the step's end.)
+    The components step in the order controller, seat, shaker: there is no delay from sample to force, and the seat's
+    step starts from the floor at its beginning. (With the shaker before the seat it would start from the floor at its
+    end.)
 
     Parameters
     ----------
     folder
-        Where the three FMUs lie.
+        Folder of the three FMUs.
 
     Raises
     ------
     SetupError
-        If one of them does not.
+        If one of them does not exist.
     """
     missing = [fmu for fmu in _FMUS.values() if not (folder / f"{fmu}.fmu").is_file()]
     if missing:
@@ -96,16 +99,69 @@ def seat_suspension(folder: Path) -> System:
     return system
 
 
+# ---- parameters of the seat suspension, as component.variable --------------------------------------------------------
+
+
 def driver_mass(kilograms: float) -> dict[str, Value]:
-    """Seat a driver, and tell the controller."""
+    """Return the parameters of a driver's mass in kg, of seat and controller alike."""
     return {"seat.driver_mass": kilograms, "controller.driver_mass": kilograms}
 
 
 def observer(gamma: float) -> dict[str, Value]:
-    """Choose the observer by its constant Gamma, in s/kg2, whatever gains it had."""
+    """Return the parameters of an observer by its constant Gamma of (23), in s/kg2; they replace its gains."""
     return {"controller.observer_gamma": gamma, "controller.L1": 0.0, "controller.L2": 0.0}
 
 
+def paper_observer(number: int) -> dict[str, Value]:
+    """Return the parameters of the paper's Observer 1 or 2."""
+    from seat_controller_fmu.parameters import OBSERVERS
+
+    return observer(OBSERVERS[number].value)
+
+
 def control(on: bool) -> dict[str, Value]:
-    """Switch the controller on or off."""
+    """Return the parameter that switches the controller on or off."""
     return {"controller.enabled": on}
+
+
+def gains(name_or_file: str) -> dict[str, Value]:
+    """Return the controller's parameters of a set of gains.
+
+    Parameters
+    ----------
+    name_or_file
+        Name of a preset, or a ``gains.json``.
+
+    Raises
+    ------
+    SetupError
+        If there is no such preset or file, or the file does not hold gains.
+    """
+    from seat_controller_fmu.design.gains import load
+    from seat_controller_fmu.design.setting import GainsError
+
+    try:
+        return {f"controller.{name}": value for name, value in load(name_or_file).parameters().items()}
+    except GainsError as error:
+        raise SetupError(str(error)) from error
+
+
+def read_parameter_sets(names_or_files: Iterable[str], system: Structure) -> dict[str, Value]:
+    """Read parameter sets; later ones win.
+
+    Parameters
+    ----------
+    names_or_files
+        Names from :data:`plant_models.parameter_sets.NAMES`, or ``.ssv`` files.
+    system
+        System whose parameters they are.
+
+    Raises
+    ------
+    SetupError
+        With all problems of the first set that has any.
+    """
+    found: dict[str, Value] = {}
+    for word in names_or_files:
+        found |= read_parameters(parameter_sets.path(word) if word in parameter_sets.NAMES else word, system)
+    return found

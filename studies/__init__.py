@@ -1,1 +1,1 @@
-"""What was tuned and calibrated, and how; run a module with ``python -m studies.NAME`` from the repository."""
+"""Studies: tuning, calibration and comparisons; run a module with ``python -m studies.NAME`` from the repository."""

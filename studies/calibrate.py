@@ -35,8 +35,8 @@ from studies.calibration import (
     fit_damping,
     fit_height,
     fit_scale,
-    insisted,
     passive_seat,
+    required,
     ride,
 )
 from studies.calibration_figures import draw_figures
@@ -47,7 +47,7 @@ CONSOLE = Console(width=150)
 
 
 def fitted_table(light: Comparison, sets: Mapping[str, Parameters]) -> Table:
-    """Show the figures of the paper that were fitted."""
+    """Return a table of the paper's numbers that were fitted; ``light`` has a load of 55 kg."""
     table = Table("55 kg, RMS of the seat", "paper", "here", "by", title="Fitted")
     rows = (
         ("uncontrolled", UNCONTROLLED_RMS, light.uncontrolled, "ride", "shaker.random.scale", ""),
@@ -60,7 +60,7 @@ def fitted_table(light: Comparison, sets: Mapping[str, Parameters]) -> Table:
 
 
 def predicted_table(heavy: Comparison) -> Table:
-    """Show the 70 kg column."""
+    """Return a table of the 70 kg column."""
     table = Table("70 kg", "paper", "here", "difference, points", title="Predicted")
     paper, found = REDUCTIONS[70.0], heavy.reduction("prototype")
     table.add_row("prototype against passive", f"-{paper} %", f"-{found:.1f} %", f"{paper - found:+.1f}")
@@ -68,9 +68,9 @@ def predicted_table(heavy: Comparison) -> Table:
 
 
 def bump_table(rides: Rides, sets: Mapping[str, Parameters]) -> Table:
-    """Show the bump's peaks, over the bump of the paper's simulation and over one fitted to the first of them."""
+    """Return a table of the bump's peaks, for the bump of the simulation and for one fitted to the first peak."""
     table = Table("peak, m/s2", "paper", "(34): seat", "driver", title="Predicted: bump")
-    height = insisted(fit_height(rides, sets["passive"]))
+    height = required(fit_height(rides, sets["passive"]))
     for column in (f"{1e3 * height:.1f} mm high: seat", "driver"):
         table.add_column(column)
     for mass, papers in BUMP_PEAKS.items():
@@ -82,7 +82,7 @@ def bump_table(rides: Rides, sets: Mapping[str, Parameters]) -> Table:
 
 
 def ideal_table(light: Comparison, heavy: Comparison) -> Table:
-    """Show the ideal simulation against the passive seat."""
+    """Return a table of the ideal simulation against the passive seat."""
     table = Table("ideal, against the passive seat", "paper's experiment", "here", title="Predicted: ideal simulation")
     for mass, comparison in ((55.0, light), (70.0, heavy)):
         table.add_row(f"{mass:g} kg", f"-{REDUCTIONS[mass]} %", f"-{comparison.reduction('ideal'):.1f} %")
@@ -90,7 +90,7 @@ def ideal_table(light: Comparison, heavy: Comparison) -> Table:
 
 
 def error_table(light: Comparison, heavy: Comparison) -> Table:
-    """Show how sure each RMS is, and the spectra's peaks."""
+    """Return a table of the uncertainty of each RMS, and of the spectra's peaks."""
     table = Table(
         "",
         "RMS, m/s2",
@@ -116,7 +116,7 @@ def error_table(light: Comparison, heavy: Comparison) -> Table:
 
 
 def alternatives_table(rides: Rides, cushioned: Rides, sets: Mapping[str, Parameters]) -> Table:
-    """Show what other assumptions that fit as well would predict; ``cushioned`` have the load on a cushion."""
+    """Return a table of predictions under other assumptions that fit; ``cushioned`` has the load on a cushion."""
     table = Table(
         "", "reduction 55 kg", "70 kg", "bump, seat: 55 kg", "70 kg", "driver: 55 kg", "70 kg",
         title="Other assumptions that fit as well (two seeds; bump: passive -> controlled)",
@@ -135,7 +135,7 @@ def alternatives_table(rides: Rides, cushioned: Rides, sets: Mapping[str, Parame
 
 
 def survey_classes(rides: Rides) -> Table:
-    """Show what each shape of excitation would mean."""
+    """Return a table of what follows from each shape of the excitation."""
     table = Table(
         "class",
         "scale",
@@ -149,7 +149,7 @@ def survey_classes(rides: Rides) -> Table:
         title="Shapes of the excitation (two seeds; EM2, EM3 and EM4 have one shape)",
     )
     for name in ("EM1", "EM3", "EM5", "EM6", "EM7", "EM8", "EM9"):
-        scale = insisted(fit_scale(rides, name, FEW_SEEDS))
+        scale = required(fit_scale(rides, name, FEW_SEEDS))
         floor = ride(scale, name)
         shaken = rides.random({**floor, **control(False)}, seeds=FEW_SEEDS, signal=FLOOR)
         free = rides.random({**floor, **control(False)}, seeds=FEW_SEEDS)
@@ -168,7 +168,7 @@ def survey_classes(rides: Rides) -> Table:
 
 
 def main() -> None:
-    """Fit, predict, print, draw; write on demand."""
+    """Fit, print the tables, draw the figures; write the parameter sets with ``--write``."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmus", type=Path, default=ROOT / "fmus" / "fmi2", help="folder of the three FMUs")
     parser.add_argument("--figures", type=Path, default=ROOT / "docs" / "figures", help="where the figures go")

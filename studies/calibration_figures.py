@@ -1,4 +1,4 @@
-"""Figures of the calibration: where other values would fit as well, and what the spectra look like."""
+"""Figures of the calibration: other values that would fit as well, and the spectra."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LAGS = np.array([0.0, 0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06])
 DELAYS = (0.0, 0.002, 0.008, 0.016)
 SENSORS = (50.0, 10.0)
 DPI = 95
-"""Keeps each figure below 100 kB."""
+"""Resolution of the figures, with which each is smaller than 100 kB."""
 STYLES = {
     "passive": {"color": "C0"},
     "uncontrolled": {"color": "0.45", "linestyle": "--"},
@@ -37,14 +37,36 @@ STYLES = {
 
 
 def draw_figures(rides: Rides, sets: Mapping[str, Parameters], light: Comparison, folder: Path) -> None:
-    """Draw all figures into a folder."""
+    """Draw all figures.
+
+    Parameters
+    ----------
+    rides
+        Runs the seats.
+    sets
+        Name to parameter set.
+    light
+        Rides with a load of 55 kg.
+    folder
+        Folder of the figures; it exists.
+    """
     draw_passive(rides, sets["ride"], folder / "calibration_passive.png")
     draw_prototype(rides, sets["ride"], folder / "calibration_prototype.png")
     draw_spectra(rides, sets, light, folder / "calibration_spectra.png")
 
 
 def draw_passive(rides: Rides, floor: Parameters, path: Path) -> None:
-    """Show RMS and shape of passive seats over damping, for some frictions."""
+    """Draw RMS and transmissibility of passive seats over damping, for several frictions.
+
+    Parameters
+    ----------
+    rides
+        Runs the seats.
+    floor
+        Parameters of the excitation.
+    path
+        Figure file.
+    """
     rows = []
     for friction in FRICTIONS:
         for damping in DAMPINGS:
@@ -54,8 +76,8 @@ def draw_passive(rides: Rides, floor: Parameters, path: Path) -> None:
             rows.append((shaken.rms, shaken.peak_frequency, shape.gain.min()))
     values = np.array(rows).reshape(len(FRICTIONS), len(DAMPINGS), -1)
     panels = [
-        Panel(label, DAMPINGS, [_of_friction(k, values[k, :, place]) for k in range(len(FRICTIONS))], marks)
-        for place, (label, marks) in enumerate(
+        Panel(label, DAMPINGS, [_of_friction(k, values[k, :, index]) for k in range(len(FRICTIONS))], marks)
+        for index, (label, marks) in enumerate(
             (
                 ("RMS (m/s²)", {"paper": PASSIVE_RMS}),
                 ("Spectrum's peak (Hz)", {'paper: "around 2 Hz"': 2.0}),
@@ -66,26 +88,48 @@ def draw_passive(rides: Rides, floor: Parameters, path: Path) -> None:
     draw(path, "Passive seat, 55 kg: friction relative to the prototype's", panels, "Damping (N s/m)", dpi=DPI)
 
 
-def _of_friction(place: int, values: np.ndarray) -> Curve:
-    return Curve(f"friction x {FRICTIONS[place]:g}", values, {"color": f"C{place}"})
+def _of_friction(index: int, values: np.ndarray) -> Curve:
+    return Curve(f"friction x {FRICTIONS[index]:g}", values, {"color": f"C{index}"})
 
 
 def draw_prototype(rides: Rides, floor: Parameters, path: Path) -> None:
-    """Show the controlled seat's RMS over lag, delay and bandwidth of the sensors."""
+    """Draw the controlled seat's RMS over lag, delay and bandwidth of the sensors.
+
+    Parameters
+    ----------
+    rides
+        Runs the seats.
+    floor
+        Parameters of the excitation.
+    path
+        Figure file.
+    """
     panels = []
     for bandwidth in SENSORS:
         curves = []
-        for place, delay in enumerate(DELAYS):
+        for index, delay in enumerate(DELAYS):
             rms = [
                 rides.random({**floor, **prototype_seat(lag, delay, bandwidth)}, seeds=FEW_SEEDS).rms for lag in LAGS
             ]
-            curves.append(Curve(f"delay {1e3 * delay:g} ms", np.array(rms), {"color": f"C{place}"}))
+            curves.append(Curve(f"delay {1e3 * delay:g} ms", np.array(rms), {"color": f"C{index}"}))
         panels.append(Panel(f"RMS (m/s²)\nsensors {bandwidth:g} Hz", 1e3 * LAGS, curves, {"paper": CONTROLLED_RMS}))
     draw(path, "Controlled seat, 55 kg: lag, delay and sensors that fit equally well", panels, "Lag (ms)", dpi=DPI)
 
 
 def draw_spectra(rides: Rides, sets: Mapping[str, Parameters], light: Comparison, path: Path) -> None:
-    """Show spectra as in Fig. 15, transmissibilities as in Fig. 10."""
+    """Draw spectra as in Fig. 15, and transmissibilities as in Fig. 10.
+
+    Parameters
+    ----------
+    rides
+        Runs the seats.
+    sets
+        Name to parameter set.
+    light
+        Rides with a load of 55 kg.
+    path
+        Figure file.
+    """
     shaken = rides.random({**sets["ride"], **control(False)}, seeds=FEW_SEEDS, signal=FLOOR)
     shown = shaken.spectrum.frequency <= 6.0
     frequency = shaken.spectrum.frequency[shown]

@@ -1,4 +1,4 @@
-"""Evaluate all controllers of this project side by side: tables and figure of docs/explanation/evaluation.md.
+"""Evaluation of all controllers of this project, side by side: tables and figure of docs/explanation/evaluation.md.
 
 python -m studies.compare_controllers                 some ten minutes on two cores; figure into docs/figures
 python -m studies.compare_controllers --output DIR
@@ -10,76 +10,89 @@ import argparse
 import os
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from cosim.fmi.values import Value
-from seat_controller_fmu.design.gains import load
 from seat_controller_fmu.parameters import OBSERVERS
-from seat_cosim.cli.options import parameter_sets
-from seat_cosim.evaluation.evaluation import Cell, Evaluation, Protocol, evaluate, measure
-from seat_cosim.evaluation.seat import passive_seat, ports
+from seat_cosim.evaluation.protocol import Protocol
+from seat_cosim.evaluation.results import DriverClassResult, Evaluation
+from seat_cosim.evaluation.runner import evaluate, measure
+from seat_cosim.evaluation.seat import passive_seat, seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
 from seat_cosim.heat_map import HeatMap, draw_heat_maps
-from seat_cosim.scenarios import control, observer, seat_suspension
+from seat_cosim.scenarios import control, gains, observer, read_parameter_sets, seat_suspension
 from studies.tune_baselines import BASELINES, DELAY, ROOT, build
 
 MASS, CLASS = 80.0, "EM3"
+"""Driver's mass in kg, and class, of the tables over classes, drivers and delays."""
 DELAYS = (0.0, 0.005, 0.010, 0.015, 0.020, 0.030, 0.040)
-"""s"""
+"""Delays of the actuator, in s."""
 
 
-def subjects(folder: Path) -> list[EvaluatedSystem]:
-    """Name the seats: passive, uncontrolled, the paper's controller three times, and what is in its place."""
-    recommended: dict[str, Value] = {f"controller.{k}": v for k, v in load("recommended").parameters().items()}
+def systems(folder: Path) -> list[EvaluatedSystem]:
+    """Return the seats: passive, uncontrolled, with the paper's controller three times, and with the baselines.
+
+    Parameters
+    ----------
+    folder
+        Folder of the baselines' FMUs.
+    """
     ours = {
         "uncontrolled": control(False),
         **{f"Observer {number}": observer(gamma.value) for number, gamma in OBSERVERS.items()},
-        "recommended": recommended,
+        "recommended": gains("recommended"),
     }
     reference = seat_suspension(ROOT / "fmus" / "fmi2")
-    found = [passive_seat(reference, parameter_sets(["passive"], reference))]
+    found = [passive_seat(reference, read_parameter_sets(["passive"], reference))]
     for title, parameters in ours.items():
         system = seat_suspension(ROOT / "fmus" / "fmi2")
         system.parameters |= parameters
-        found.append(EvaluatedSystem(title, system, ports()))
+        found.append(EvaluatedSystem(title, system, seat_signals()))
     for title in BASELINES:
         system = seat_suspension(ROOT / "fmus" / "fmi2")
         system.replace("controller", folder / f"{title}.fmu")
-        found.append(EvaluatedSystem(title, system, ports()))
+        found.append(EvaluatedSystem(title, system, seat_signals()))
     return found
 
 
-def late(subject: EvaluatedSystem) -> EvaluatedSystem:
-    """Give a seat an actuator that is late."""
-    system = seat_suspension(ROOT / "fmus" / "fmi2")
-    system.__dict__.update(vars(subject.system))
-    system.parameters = {**subject.system.parameters, "seat.actuator.delay": DELAY}
-    return replace(subject, system=system)
+def delayed(evaluated: EvaluatedSystem) -> EvaluatedSystem:
+    """Return a copy of a seat whose actuator has a delay of :data:`studies.tune_baselines.DELAY`."""
+    system = copy(evaluated.system)
+    system.parameters = {**evaluated.system.parameters, "seat.actuator.delay": DELAY}
+    return replace(evaluated, system=system)
 
 
-def table(heads: Sequence[str], rows: dict[str, Sequence[str]]) -> None:
-    """Print a table for a document."""
+def table(heads: Sequence[str], rows: Mapping[str, Sequence[str]]) -> None:
+    """Print a table in Markdown.
+
+    Parameters
+    ----------
+    heads
+        Names of the columns.
+    rows
+        Name of a row to its cells.
+    """
     print(f"\n| | {' | '.join(heads)} |\n|---|{'---:|' * len(heads)}")
     for name, cells in rows.items():
         print(f"| {name} | {' | '.join(cells)} |")
 
 
-def details(cell: Cell) -> list[str]:
-    """Write what a driver of 80 kg has of EM3."""
-    force, power = cell.mean(lambda run: run.force), cell.mean(lambda run: run.power)
-    numbers = (cell.seat, cell.mean(lambda run: run.seat_vdv), cell.a_w, cell.mean(lambda run: run.seat.mtvv))
-    lengths = f"{1e3 * (cell.peak or 0.0):.0f}"
+def details(result: DriverClassResult) -> list[str]:
+    """Return all metrics of a result as cells of a table."""
+    force, power = result.mean(lambda ride: ride.force_rms), result.mean(lambda ride: ride.driving_power)
+    numbers = (result.seat, result.mean(lambda ride: ride.seat_vdv), result.a_w, result.mean(lambda r: r.seat.mtvv))
+    lengths = f"{1e3 * (result.peak_deflection or 0.0):.0f}"
     return [*(f"{number:.2f}" for number in numbers if number is not None), lengths] + (
         ["–", "–"] if force is None or power is None else [f"{force:.0f}", f"{power:.1f}"]
     )
 
 
 def main() -> None:
-    """Evaluate, print, draw."""
+    """Evaluate all seats, print the tables and draw the figure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--output", type=Path, default=ROOT / "docs" / "figures", help="where the figure goes")
     folder = parser.parse_args().output
@@ -90,21 +103,21 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as built:
         build(Path(built))
-        seats = subjects(Path(built))
+        seats = systems(Path(built))
         found = evaluate(seats, replace(protocol, masses=(MASS,)), processes, progress)
         by_delay = {seat.title: with_delay(seat) for seat in seats}
-        delayed = evaluate([late(seat) for seat in seats], replace(protocol, classes=(CLASS,)), processes, progress)
+        late = evaluate([delayed(seat) for seat in seats], replace(protocol, classes=(CLASS,)), processes, progress)
     names = [seat.title for seat in seats]
-    of_class = np.array([[each.cells[kind, MASS].seat for kind in protocol.classes] for each in found])
-    of_mass = np.array([[each.cells[CLASS, mass].seat for mass in protocol.masses] for each in delayed])
+    of_class = np.array([[each.results[kind, MASS].seat for kind in protocol.classes] for each in found])
+    of_mass = np.array([[each.results[CLASS, mass].seat for mass in protocol.masses] for each in late])
     masses = [f"{mass:g} kg" for mass in protocol.masses]
     table(protocol.classes, dict(zip(names, _written(of_class), strict=True)))
     table(masses, dict(zip(names, _written(of_mass), strict=True)))
     table([f"{1e3 * delay:g} ms" for delay in DELAYS], by_delay)
     heads = ["SEAT", "SEAT by VDV", "a_w, m/s²", "MTVV, m/s²", "deflection, mm", "force RMS, N", "power, W"]
-    table(heads, {each.subject.title: details(each.cells[CLASS, MASS]) for each in found})
-    loose = [f"{each.subject.title} {key}" for each in found + delayed for key in _loose(each)]
-    print(f"\nruns more than 5 % from their mean: {', '.join(loose) or 'none'}")
+    table(heads, {each.evaluated.title: details(each.results[CLASS, MASS]) for each in found})
+    scattered = [f"{each.evaluated.title} {key}" for each in found + late for key in _not_repeatable(each)]
+    print(f"\nruns more than 5 % from their mean: {', '.join(scattered) or 'none'}")
     delay = f"SEAT on {CLASS}, actuator {1e3 * DELAY:g} ms late"
     maps = [
         HeatMap(f"SEAT at {MASS:g} kg", names, protocol.classes, of_class, np.zeros_like(of_class, dtype=bool)),
@@ -113,14 +126,14 @@ def main() -> None:
     draw_heat_maps([folder / "controllers.svg"], maps)
 
 
-def with_delay(subject: EvaluatedSystem) -> list[str]:
-    """Write the SEAT of a driver of 80 kg on EM3 over delays of the actuator: one run of a minute each."""
-    found = []
-    with subject.system.open() as session:
+def with_delay(evaluated: EvaluatedSystem) -> list[str]:
+    """Return the SEAT over :data:`DELAYS`, as cells of a table: one ride of 60 s each."""
+    found, signals = [], evaluated.signals
+    with evaluated.system.open() as session:
         for delay in DELAYS:
-            ride = {**subject.ports.parameters(CLASS, MASS, 1), "seat.actuator.delay": delay}
-            result = session.run(70.0, parameters=ride, record=list(subject.ports.signals))
-            found.append(f"{measure(subject, result, 500.0, 10.0).seat_rms:.2f}")
+            parameters = {**signals.parameters(CLASS, MASS, 1), "seat.actuator.delay": delay}
+            result = session.run(70.0, parameters=parameters, record=list(signals.outputs))
+            found.append(f"{measure(evaluated, result, 500.0, 10.0).seat_rms:.2f}")
     return found
 
 
@@ -128,8 +141,8 @@ def _written(values: np.ndarray) -> list[list[str]]:
     return [[f"{value:.2f}" for value in row] for row in values]
 
 
-def _loose(evaluation: Evaluation) -> list[str]:
-    return [f"{kind} {mass:g} kg" for (kind, mass), cell in evaluation.cells.items() if not cell.repeats]
+def _not_repeatable(evaluation: Evaluation) -> list[str]:
+    return [f"{name} {mass:g} kg" for (name, mass), result in evaluation.results.items() if not result.is_repeatable]
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""How the gains that come with the package were made.
+"""Design of the presets, the sets of gains of this project.
 
-``python -m studies.make_presets`` writes them anew; it needs the extra ``design``. Each
-set becomes ``presets/<name>.json`` (inputs, gains, certified figures) and ``presets/<name>.ssv`` (an SSP parameter set
-for the SeatController FMU).
+``python -m studies.make_presets`` writes them; it needs the extra ``design``. A set is written as
+``presets/<name>.json`` (inputs, gains, certified figures) and ``presets/<name>.ssv`` (an SSP parameter set for the
+SeatController FMU).
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from seat_controller_fmu.design.synthesis import design
 from seat_cosim.nominal_seat import nominal_seat
 
 PRINTED_MASS_MAX = 120.0
-"""m_bmax in kg as Table 1 prints it; also the heaviest driver the recommended set is made for."""
+"""m_bmax in kg as Table 1 prints it; also the heaviest driver for whom the recommended set is designed."""
 
 RECOMMENDED_OBSERVER = (-4000.0, -3500.0)
-"""L_1 and L_2 in kg/s. The delay margin collapses where |L| exceeds about 4000 at light and 3600 at heavy drivers,
-whatever the state feedback: see docs/explanation/certificate.md. Hence nearly one value for all masses, instead of the
+"""L_1 and L_2 in kg/s. The delay margin collapses where |L| exceeds about 4000 with light and 3600 with heavy drivers,
+whatever the state feedback (see docs/explanation/certificate.md); so they are nearly equal for all masses, unlike the
 1/M of (23)."""
 
 
@@ -33,30 +33,30 @@ def _setting(mass_max: float) -> Setting:
 
 
 def published() -> Gains:
-    """Return the paper's gains as printed; what made them is not known."""
+    """Return the paper's gains as printed; how they were designed is not known."""
     K_1 = (p.K_1_DEFLECTION.value, p.K_1_RATE.value)
     K_2 = (p.K_2_DEFLECTION.value, p.K_2_RATE.value)
     return Gains(K_1, K_2, _setting(p.DRIVER_MASS_MAX.value), p.LAMBDA.value)
 
 
 def table1_printed(solver: str = "CLARABEL") -> Gains:
-    """Design by the feasibility margin for Table 1 as it is printed, 45-120 kg."""
+    """Design gains for Table 1 as it is printed, 45-120 kg, by the feasibility margin; ``solver`` as of the design."""
     return design(_setting(PRINTED_MASS_MAX), "margin", p.LAMBDA.value, solver=solver)
 
 
 def recommended(solver: str = "CLARABEL") -> Gains:
-    """Design the set to use for 45-120 kg, chosen by numbers: see docs/explanation/certificate.md."""
+    """Design the recommended gains for 45-120 kg, see docs/explanation/certificate.md; ``solver`` as of the design."""
     L_1, L_2 = RECOMMENDED_OBSERVER
     setting = replace(_setting(PRINTED_MASS_MAX), L1=L_1, L2=L_2, observer_gamma=None)
     return design(setting, "trade-off", p.LAMBDA.value, solver=solver)
 
 
 SOURCES: dict[str, Callable[[], Gains]] = dict(zip(PRESETS, (published, table1_printed, recommended), strict=True))
-"""What makes each preset."""
+"""Name of a preset to the function that designs it."""
 
 
 def rounded(gains: Gains) -> Gains:
-    """Round gains to 0.01 and Q to eight digits: what a solver says beyond differs between machines."""
+    """Round gains to 0.01 and Q to eight digits: further digits of a solver differ between machines."""
     K_1, K_2 = ((round(K[0], 2), round(K[1], 2)) for K in gains.feedback)
     Q = gains.Q and ((_digits(gains.Q[0][0]), _digits(gains.Q[0][1])), (_digits(gains.Q[1][0]), _digits(gains.Q[1][1])))
     return replace(gains, K1=K_1, K2=K_2, Q=Q)

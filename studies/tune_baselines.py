@@ -1,12 +1,12 @@
-"""Tune the controllers of examples/controllers, and compare them with the paper's.
+"""Tuning of the controllers of examples/controllers, and comparison with the paper's.
 
-python -m studies.tune_baselines            tunes (ten minutes), prints what belongs into the scripts, compares
+python -m studies.tune_baselines            tunes (ten minutes), prints the numbers for the scripts, compares
 python -m studies.tune_baselines --compare  compares the scripts as they are
 
-All runs go through the FMUs and the master: EM3 of ISO 7096, a driver of 80 kg. What is minimised is the worse of two
-weighted accelerations of the driver, one with an ideal actuator, one with an actuator 10 ms late: a controller has to
-survive that much. Two things count against it: a peak deflection beyond 50 mm in either, and a seat that moves more
-than 20 mm on a still floor in a minute, with an accelerometer 20 mm/s2 (2 mg) off: no bias may drive the seat away.
+All runs use the FMUs and the master: EM3 of ISO 7096, a driver of 80 kg. The larger of two weighted accelerations of
+the driver is minimised, one with an ideal actuator, one with an actuator that is 10 ms late: a controller must tolerate
+that delay. Two penalties are added: for a peak deflection beyond 50 mm in either ride, and for a seat that moves more
+than 20 mm in a minute on a still floor with an accelerometer bias of 20 mm/s2 (2 mg).
 """
 
 from __future__ import annotations
@@ -35,27 +35,32 @@ ROOT = Path(__file__).parent.parent
 SCRIPTS = ROOT / "examples" / "controllers"
 
 MASS, CLASS, SEED = 80.0, "EM3", 1
-DURATION, SETTLE = 60.0, 10.0
-DELAY = 0.010  # s
-ROOM = 0.050  # m
-OFFSET, DRIFT = 0.020, 0.020  # m/s2, m
+"""Driver's mass in kg, class and seed of the excitation."""
+DURATION, WARM_UP = 60.0, 10.0
+"""Evaluated time of a ride, and time before it, in s."""
+DELAY = 0.010
+"""Delay of the late actuator, in s."""
+ROOM = 0.050
+"""Peak deflection without a penalty, in m."""
+OFFSET, DRIFT = 0.020, 0.020
+"""Bias of the accelerometer in m/s2, and deflection under it without a penalty, in m."""
 
 FLOOR = 1.93 / 2.0
-"""(m/s2)2/Hz, two-sided: density of EM3, as the white noise that the LQG takes the floor's acceleration for."""
+"""Two-sided density of the white noise by which the LQG models the floor's acceleration, in (m/s2)2/Hz: that of EM3."""
 
 DEFLECTION_NOISE, ACCELERATION_NOISE = 1e-4, 0.02
-"""m and m/s2 rms per sample, that the LQG takes its sensors for."""
+"""RMS noise of the sensors in the LQG's model, per sample, in m and m/s2."""
 
 LQG_CORNER = 0.05
-"""Hz, from where on the rest decays; also in lqg.py."""
+"""Corner frequency of the residual acceleration in the LQG's model, in Hz; also in lqg.py."""
 
 
 LQG_WEIGHTS = {"stiffness": 0.741, "level": 0.0025}
-"""What the tuning found; the gains in lqg.py follow from it."""
+"""Result of the tuning; the gains in lqg.py follow from it."""
 
 
 def lqg_gains(stiffness: float, level: float) -> dict[str, float]:
-    """Design the LQG for its three states: deflection x, its rate v, the rest e.
+    """Design the LQG for its three states: deflection x, its rate v, the residual acceleration e.
 
     Parameters
     ----------
@@ -63,12 +68,12 @@ def lqg_gains(stiffness: float, level: float) -> dict[str, float]:
         Weight of the squared deflection, in 1/s4, where that of the squared acceleration is 1. For x'' = -a the
         regulator is a = w^2 x + sqrt(2) w v with w^4 the weight.
     level
-        Density of the noise that drives e, in (m/s3)2/Hz: how fast the filter finds what the model leaves out.
+        Density of the noise that drives e, in (m/s3)2/Hz; the larger, the faster the filter estimates e.
 
     Returns
     -------
     dict
-        Parameter of lqg.py to its value.
+        Name of a gain in lqg.py to its value.
     """
     dynamics = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -2.0 * np.pi * LQG_CORNER]])
     density = np.diag([0.0, FLOOR, level])
@@ -89,7 +94,17 @@ def lqg_gains(stiffness: float, level: float) -> dict[str, float]:
 
 
 class Baseline(NamedTuple):
-    """A controller to tune: where to start, and what the numbers searched are to it."""
+    """A controller to tune.
+
+    Attributes
+    ----------
+    script
+        Name of its script, without suffix.
+    start
+        Name of a tuned number to its initial value.
+    parameters
+        Function of the tuned numbers that returns the controller's parameters.
+    """
 
     script: str
     start: Mapping[str, float]
@@ -105,7 +120,19 @@ BASELINES = {
 
 @dataclass(frozen=True)
 class Score:
-    """What a controller does; ``late`` is with the delayed actuator."""
+    """Metrics of a controller; ``late`` with the delayed actuator.
+
+    Attributes
+    ----------
+    a_w, a_w_late
+        Weighted acceleration of the driver, in m/s2.
+    peak, peak_late
+        Largest deflection, in m.
+    drift
+        Largest deflection on a still floor with a biased accelerometer, in m.
+    force
+        RMS of the force, in N.
+    """
 
     a_w: float
     a_w_late: float
@@ -116,7 +143,7 @@ class Score:
 
     @property
     def cost(self) -> float:
-        """What is minimised: the worse a_w, ten times dearer by the share that a bound is overstepped by."""
+        """Cost to minimise: the larger a_w, plus ten times the relative excess over the bounds as its share."""
         beyond = max(0.0, max(self.peak, self.peak_late) / ROOM - 1.0) + max(0.0, self.drift / DRIFT - 1.0)
         return max(self.a_w, self.a_w_late) * (1.0 + 10.0 * beyond)
 
@@ -125,7 +152,15 @@ ACCELERATION, DEFLECTION, FORCE = "seat.driver_acceleration", "seat.suspension_d
 
 
 def score(session: Session, parameters: Mapping[str, Value]) -> Score:
-    """Run a controller three times: ideal actuator, late actuator, still floor with a biased accelerometer."""
+    """Run a controller three times: ideal actuator, late actuator, still floor with a biased accelerometer.
+
+    Parameters
+    ----------
+    session
+        Session of a seat suspension with the controller.
+    parameters
+        ``component.variable`` to value.
+    """
 
     def run(**seat: float) -> list[np.ndarray]:
         floor = {"shaker.profile": "random", "shaker.random.class": CLASS, "shaker.random.seed": SEED}
@@ -133,7 +168,7 @@ def score(session: Session, parameters: Mapping[str, Value]) -> Score:
         still = {"shaker.random.scale": 0.0} if "sensor__acceleration_bias" in seat else {}
         signals = (ACCELERATION, DEFLECTION, FORCE)
         result = session.run(
-            DURATION + SETTLE, None, {**driver_mass(MASS), **floor, **still, **imperfections, **parameters}, signals
+            DURATION + WARM_UP, None, {**driver_mass(MASS), **floor, **still, **imperfections, **parameters}, signals
         )
         if result.error is not None:
             raise result.error
@@ -144,22 +179,35 @@ def score(session: Session, parameters: Mapping[str, Value]) -> Score:
     late = run(actuator__delay=DELAY)
     biased = run(sensor__acceleration_bias=OFFSET)
     return Score(
-        ride(acceleration, rate, SETTLE).a_w,
-        ride(late[0], rate, SETTLE).a_w,
-        deflection_range(deflection, rate, SETTLE).peak,
-        deflection_range(late[1], rate, SETTLE).peak,
+        ride(acceleration, rate, WARM_UP).a_w,
+        ride(late[0], rate, WARM_UP).a_w,
+        deflection_range(deflection, rate, WARM_UP).peak,
+        deflection_range(late[1], rate, WARM_UP).peak,
         abs(deflection_range(biased[1], rate).peak),
-        actuator(force, deflection, rate, SETTLE).force_rms,
+        actuator(force, deflection, rate, WARM_UP).force_rms,
     )
 
 
 def of_controller(parameters: Mapping[str, Value]) -> dict[str, Value]:
-    """Name parameters of the controller as the system does."""
+    """Return parameters of the controller as ``component.variable``."""
     return {f"controller.{name}": value for name, value in parameters.items()}
 
 
 def tune(session: Session, baseline: Baseline) -> dict[str, float]:
-    """Search the logarithms of the numbers by the simplex of Nelder and Mead; deterministic."""
+    """Tune a controller by the simplex method of Nelder and Mead over logarithms of the numbers; deterministic.
+
+    Parameters
+    ----------
+    session
+        Session of a seat suspension with the controller.
+    baseline
+        The controller.
+
+    Returns
+    -------
+    dict
+        Name of a tuned number to its value.
+    """
     names, start = list(baseline.start), np.log(list(baseline.start.values()))
 
     def numbers(x: np.ndarray) -> dict[str, float]:
@@ -174,21 +222,21 @@ def tune(session: Session, baseline: Baseline) -> dict[str, float]:
 
 
 def build(folder: Path) -> None:
-    """Build the FMUs of all baselines by their own tool."""
+    """Build the FMUs of all baselines with pythonfmu, into a folder."""
     for baseline in BASELINES.values():
         script = str(SCRIPTS / f"{baseline.script}.py")
         subprocess.run([sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", str(folder)], check=True)
 
 
 def report(name: str, found: Score) -> None:
-    """Print a row of the table."""
+    """Print a row of the table: a controller's name and its metrics."""
     lengths = (1e3 * length for length in (found.peak, found.peak_late, found.drift))
     numbers = [f"{found.a_w:.3f}", f"{found.a_w_late:.3f}", *(f"{mm:.0f}" for mm in lengths), f"{found.force:.0f}"]
     print("| " + " | ".join([name, *numbers]) + " |", flush=True)
 
 
 def main() -> None:
-    """Tune and compare."""
+    """Tune the baselines, unless ``--compare`` is given, and compare all controllers."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--compare", action="store_true", help="compare the scripts as they are, without tuning")
     parser.add_argument("--only", choices=BASELINES, help="tune this one")

@@ -1,12 +1,18 @@
-"""What the tests share: FMUs built once, a system of them, an independent solver, a shell, readers of golden data."""
+"""What the tests share: FMUs built once, a system of them, instances and a shell; and which tests build something.
+
+Tests that build FMUs or compile C are marked ``builds``: those that use a fixture of :data:`BUILDING`, directly or not,
+and those that say so themselves. Other tests may not start a compiler.
+"""
 
 from __future__ import annotations
 
+import functools
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,17 +25,62 @@ from tests.helpers.driven import Driven, driven
 from tests.helpers.paths import NATIVE, ROOT
 from tests.helpers.shell import Shell
 
+BUILDING = {"fmus", "native", "foreign", "baselines", "echo", "faulty_folder", "in_c", "paths", "program", "workshop"}
+"""Fixtures that build FMUs or compile C."""
 
-@pytest.fixture(scope="session", autouse=True)
-def core() -> None:
-    """Build the loop in C, unless it lies there already."""
+COMPILERS = {"cc", "clang", "gcc", "pythonfmu", "pythonfmu3", "zig", "ziglang"}
+"""Commands and Python modules that build FMUs or compile C."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that build FMUs."""
+    for item in items:
+        if BUILDING.intersection(getattr(item, "fixturenames", ())):
+            item.add_marker(pytest.mark.builds)
+
+
+@functools.cache
+def build_core() -> None:
+    """Build the loop in C, unless it exists already."""
     for _ in build_library(stepper.NAME, stepper.sources(), stepper.fingerprint(), stepper.BUILT):
         pass
 
 
+_running: list[pytest.Item] = []
+"""The test that runs."""
+
+
+def _refuse_compilers(event: str, arguments: tuple[Any, ...]) -> None:
+    """Raise an error where a test starts a compiler that is not marked ``builds``."""
+    if event == "subprocess.Popen" and _running and not _running[-1].get_closest_marker("builds"):
+        command = [arguments[1]] if isinstance(arguments[1], str | bytes) else arguments[1]
+        if found := COMPILERS.intersection(Path(str(word)).name for word in command):
+            raise RuntimeError(f"{_running[-1].nodeid}: expected the mark `builds`, got a test that runs {found.pop()}")
+
+
+sys.addaudithook(_refuse_compilers)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[Any]:
+    """Note which test runs."""
+    _running.append(item)
+    try:
+        return (yield)
+    finally:
+        _running.pop()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Build the loop in C before the first test that builds."""
+    if item.get_closest_marker("builds"):
+        build_core()
+
+
 @pytest.fixture(scope="session")
 def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the FMUs are built, each flavour in its subfolder."""
+    """Folder of the built FMUs, each flavour in its subfolder."""
     return tmp_path_factory.mktemp("fmus")
 
 
@@ -51,7 +102,7 @@ def native(fmu_folder: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of FMUs that are not ours, from ``examples/foreign``, built by their own tools."""
+    """Folder of foreign FMUs, from ``examples/foreign``, built by their own tools."""
     folder = tmp_path_factory.mktemp("foreign")
     for script in sorted((ROOT / "examples" / "foreign").glob("*.py")):
         tool = "pythonfmu3" if "pythonfmu3" in script.read_text() else "pythonfmu"
@@ -61,8 +112,8 @@ def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(autouse=True)
-def ctrl_c_is_heard() -> Iterator[None]:
-    """Let SIGINT interrupt, as it does in a terminal; workers and jobs in the background ignore it."""
+def sigint_interrupts() -> Iterator[None]:
+    """Let SIGINT interrupt, as in a terminal; workers and jobs in the background ignore it."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)

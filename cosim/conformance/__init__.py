@@ -1,8 +1,8 @@
-"""A conformance suite for co-simulation FMUs (FMI 2.0 and 3.0): rules, and what runs them on any FMU.
+"""A conformance suite for co-simulation FMUs of FMI 2.0 and 3.0, from any tool.
 
-Rules stand one function each in a module for each subject; :mod:`cosim.conformance.rule` explains how they are written,
-:func:`cosim.conformance.suite.validate` applies them.
+The rules are functions in the modules of :mod:`cosim.conformance.rules`, one module for each group.
+:mod:`cosim.conformance.rule` says how a rule is written, :func:`cosim.conformance.suite.validate` applies them.
 """
 
 TIME_LIMIT = 10.0
-"""How long a rule may run an FMU where nothing else is said, in s."""
+"""Default limit for the time that a rule may run an FMU, in s."""

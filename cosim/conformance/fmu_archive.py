@@ -1,37 +1,37 @@
-"""An FMU as files: its archive, and the description in it, read without judging."""
+"""An FMU as files: its archive and its model description, read leniently."""
 
 from __future__ import annotations
 
 import zipfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from lxml import etree
 
-from cosim.conformance.model_description import Description, describe
+from cosim.conformance.model_description import RawDescription, read_raw_description
 from cosim.errors import SetupError
 from cosim.fmi.archive import check_archive, size_problems
 from cosim.fmi.repairs import DESCRIPTION
+from cosim.fmi.xml import safe_parser
 
 
 @dataclass
-class Subject:
-    """An FMU under examination.
+class FmuArchive:
+    """The files of an FMU that is validated.
 
     Attributes
     ----------
     path
-        The file.
+        The ``.fmu`` file.
     """
 
     path: Path
-    _cache: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @cached_property
-    def archive(self) -> zipfile.ZipFile | None:
-        """The open archive; None of a file that is none."""
+    def zip_file(self) -> zipfile.ZipFile | None:
+        """The open archive; None where the file is not a zip archive."""
         try:
             return zipfile.ZipFile(self.path)
         except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
@@ -39,91 +39,124 @@ class Subject:
 
     @property
     def members(self) -> list[zipfile.ZipInfo]:
-        """All members, folders among them."""
-        return self.archive.infolist() if self.archive else []
+        """All members, including folders."""
+        return self.zip_file.infolist() if self.zip_file else []
 
     @cached_property
     def size_problems(self) -> list[str]:
-        """What is wrong with the size of what the archive holds."""
-        return list(size_problems(self.archive)) if self.archive else []
+        """Problems with the extracted size of the archive."""
+        return list(size_problems(self.zip_file)) if self.zip_file else []
 
     @cached_property
     def files(self) -> dict[PurePosixPath, zipfile.ZipInfo]:
-        """Members that are files, by path."""
+        """Path to member, for the members that are files."""
         return {PurePosixPath(member.filename): member for member in self.members if not member.is_dir()}
 
-    def under(self, folder: str) -> dict[PurePosixPath, zipfile.ZipInfo]:
-        """Return the files in a folder, by path relative to it."""
+    def files_under(self, folder: str) -> dict[PurePosixPath, zipfile.ZipInfo]:
+        """Return the files in a folder of the archive.
+
+        Parameters
+        ----------
+        folder
+            Path of the folder.
+
+        Returns
+        -------
+        dict
+            Path relative to the folder, to member.
+        """
         return {path.relative_to(folder): member for path, member in self.files.items() if path.is_relative_to(folder)}
 
-    def head(self, member: zipfile.ZipInfo, size: int) -> bytes:
-        """Read a file's first bytes."""
-        assert self.archive is not None
+    def first_bytes(self, member: zipfile.ZipInfo, size: int) -> bytes:
+        """Read the beginning of a file.
+
+        Parameters
+        ----------
+        member
+            The file.
+        size
+            How many bytes to read at most.
+
+        Returns
+        -------
+        bytes
+            Empty for a damaged member, which the rule ``archive.readable`` reports.
+        """
+        assert self.zip_file is not None
         try:
-            with self.archive.open(member) as stream:
+            with self.zip_file.open(member) as stream:
                 return stream.read(size)
-        except Exception:  # damage is another rule's business
+        except Exception:  # zipfile raises exceptions of many types for damaged archives
             return b""
 
     @cached_property
-    def text(self) -> bytes | None:
-        """The description's bytes; None where it is missing, cannot be read, or may have no end."""
+    def description_bytes(self) -> bytes | None:
+        """Content of the model description; None where it cannot be read or the archive is too large."""
         if self.size_problems:
             return None
         try:
-            assert self.archive is not None
-            return self.archive.read(DESCRIPTION)
-        except Exception:
+            assert self.zip_file is not None
+            return self.zip_file.read(DESCRIPTION)
+        except Exception:  # zipfile raises exceptions of many types for damaged archives
             return None
 
     @cached_property
-    def problem(self) -> str:
-        """Why the description cannot be read; empty where it can."""
-        if self.text is None:
-            return f"expected a readable {DESCRIPTION}, got none"
+    def _parsed(self) -> tuple[Any, str]:
+        """Root element of the description or None, and why it cannot be read."""
+        if self.description_bytes is None:
+            return None, f"expected a readable {DESCRIPTION}, got none"
         try:
-            self._cache["tree"] = etree.fromstring(self.text, etree.XMLParser(resolve_entities=False, no_network=True))
+            return etree.fromstring(self.description_bytes, safe_parser()), ""
         except etree.XMLSyntaxError as error:
-            return f"{DESCRIPTION}: expected well-formed XML, got: {error}"
-        return ""
+            return None, f"{DESCRIPTION}: expected well-formed XML, got: {error}"
 
     @property
-    def tree(self) -> Any:
-        """The description's root element; None where it cannot be read."""
-        return None if self.problem else self._cache["tree"]
+    def description_problem(self) -> str:
+        """Why the model description cannot be read; empty where it can."""
+        return self._parsed[1]
+
+    @property
+    def description_root(self) -> Any:
+        """Root element of the model description; None where it cannot be read."""
+        return self._parsed[0]
 
     @cached_property
-    def description(self) -> Description | None:
-        """The description, read without judging; None of one that cannot be read or of another standard."""
-        return None if self.tree is None else describe(self.tree)
+    def description(self) -> RawDescription | None:
+        """The model description; None where it cannot be read or is not of FMI 2.0 or 3.0."""
+        return None if self.description_root is None else read_raw_description(self.description_root)
 
     @cached_property
-    def unsafe(self) -> str:
-        """Why the archive cannot be extracted; empty where it can."""
-        if self.archive is None:
+    def extraction_problem(self) -> str:
+        """Why the archive cannot be extracted safely; empty where it can."""
+        if self.zip_file is None:
             return "it is no archive"
         try:
-            check_archive(self.archive, self.path)
+            check_archive(self.zip_file, self.path)
         except SetupError as error:
             return str(error)
         return ""
 
     def extract(self, folder: Path) -> None:
-        """Extract the archive.
+        """Extract the archive into a folder.
+
+        Parameters
+        ----------
+        folder
+            An existing folder.
 
         Raises
         ------
         SetupError
-            If that is not safe, or fails.
+            If the archive is unsafe or damaged.
         """
-        if self.unsafe or self.archive is None:
-            raise SetupError(self.unsafe)
+        if self.extraction_problem or self.zip_file is None:
+            raise SetupError(self.extraction_problem)
         try:
-            self.archive.extractall(folder)
-        except Exception as error:  # whatever zipfile stumbles over
+            self.zip_file.extractall(folder)
+        except Exception as error:  # zipfile raises exceptions of many types for damaged archives
             raise SetupError(f"{self.path}: expected an archive that can be extracted, got: {error}") from error
 
     def close(self) -> None:
-        """Close the archive."""
-        if self.archive:
-            self.archive.close()
+        """Close the archive, if it was opened."""
+        if self.zip_file:
+            self.zip_file.close()

@@ -1,7 +1,21 @@
-"""A description as a table, alike for FMI 2.0 and 3.0: what stands in the XML and the defaults for what does not.
+"""Read a model description of FMI 2.0 or 3.0 leniently: the attributes as written, and the standard's defaults.
 
-Nothing is judged here, and nothing fails on a description that is wrong: numbers that are none are read as NaN, names
-that lead nowhere stay names. fmpy's own reading gives up on such files, which are the ones of interest here.
+Nothing is judged here, and an invalid description raises no exception: a text that is not a number is read as NaN, a
+reference to a missing variable stays a reference. The rules judge what was read.
+
+The master reads the same file by :mod:`cosim.fmi.description`, which wraps fmpy's reader. Both share the XML parser
+(:func:`cosim.fmi.xml.safe_parser`), the name of the file, and the tables of types (:mod:`cosim.fmi.variable_types`).
+The rest is separate on purpose:
+
+- fmpy's reader raises an exception at the first invalid number, missing variable, undeclared type or illegal
+  combination of causality and variability. The suite must go on, because it has to report all problems of such files at
+  once.
+- fmpy's reader fills in defaults and drops attributes that it does not know. The rules need to know which attributes
+  are written, and where.
+- The master repairs descriptions whose meaning is clear (:mod:`cosim.fmi.repairs`). The suite must see the file as it
+  is.
+- The rule ``fmpy_check.fmpy`` is an independent check of the suite. The defaults of variability and initial and the
+  inheritance of bounds from declared types must therefore not come from fmpy.
 """
 
 from __future__ import annotations
@@ -11,28 +25,40 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-FLOATS = ("Real", "Float32", "Float64")
-INTEGERS = ("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
-TYPES = (*FLOATS, *INTEGERS, "Enumeration", "Boolean", "String", "Binary", "Clock")
+from cosim.fmi.variable_types import FLOATS, KINDS
 
 _PARAMETERS = ("parameter", "calculatedParameter", "structuralParameter")
 
 
 @dataclass(frozen=True)
-class Variable:
-    """A variable as its element says; absent attributes are None unless they have a default.
+class RawVariable:
+    """A variable as its element declares it; absent attributes are None unless the standard defines a default.
 
     Attributes
     ----------
-    index
-        Its place in the list, from 1.
-    line
-        Of the file.
+    name, causality, variability, initial, unit, display_unit, clocks
+        The attributes of these names, with the standard's defaults.
+    reference
+        Value reference; -1 if it is not an integer.
+    type
+        Name of the type's element: ``Real``, ``Float64``, ...
     start
-        Its start values as text, one for each element of an array; None where there is no start.
-    minimum, maximum
-        Its own or its type's; None where there is none, NaN for what is no number.
-    given
+        Start values as text, one for each element of an array; None where there is no start value.
+    minimum, maximum, nominal
+        The variable's or its declared type's; None where neither has one, NaN for a text that is not a number.
+    declared_type
+        Name of the declared type.
+    derivative
+        The variable that this one is the derivative of: index in FMI 2.0, value reference in FMI 3.0.
+    aliases
+        Names of the aliases (FMI 3.0).
+    dimensions
+        ``start`` and ``valueReference`` of each dimension as text, empty where absent (FMI 3.0).
+    index
+        Position in the list of variables, from 1.
+    line
+        Line in the file, from 1.
+    attributes
         The attributes as written, without defaults.
     """
 
@@ -48,14 +74,14 @@ class Variable:
     nominal: float | None
     unit: str | None
     display_unit: str | None
-    declared: str | None
+    declared_type: str | None
     derivative: int | None
     clocks: str | None
     aliases: tuple[str, ...]
     dimensions: tuple[tuple[str, str], ...]
     index: int
     line: int
-    given: dict[str, str]
+    attributes: dict[str, str]
 
     def __str__(self) -> str:
         return f"{self.name} (line {self.line})"
@@ -68,25 +94,39 @@ class Unknown:
     Attributes
     ----------
     list
-        Name of the list it stands in, or of its element.
-    target
+        Kind of the entry: ``Output``, ``Derivative``, ``InitialUnknown``, ``ClockedState`` or ``EventIndicator``.
+    reference
         The variable: index in FMI 2.0, value reference in FMI 3.0.
     dependencies
-        Variables it depends on, as ``target``; None where nothing is said.
+        References of the variables that it depends on; None where they are not declared.
     kinds
-        How; None where nothing is said.
+        Kinds of the dependencies; None where they are not declared.
+    line
+        Line in the file, from 1.
     """
 
     list: str
-    target: int
+    reference: int
     dependencies: tuple[int, ...] | None
     kinds: tuple[str, ...] | None
     line: int
 
 
 @dataclass(frozen=True)
-class Type:
-    """A declared type: its name, its base type, unit and the values of its items."""
+class DeclaredType:
+    """A type of ``TypeDefinitions``.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    type
+        Its base type: ``Real``, ``Float64``, ...
+    unit
+        Name of its unit.
+    items
+        Values of the items of an enumeration.
+    """
 
     name: str
     type: str
@@ -95,71 +135,119 @@ class Type:
 
 
 @dataclass(frozen=True)
-class Unit:
-    """A declared unit: its name, whether it is defined in base units, names of its display units."""
+class DeclaredUnit:
+    """A unit of ``UnitDefinitions``.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    has_base_unit
+        Whether it is defined in base units.
+    display_units
+        Names of its display units.
+    """
 
     name: str
-    defined: bool
+    has_base_unit: bool
     display_units: tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Description:
-    """A model description.
+class RawDescription:
+    """A model description as it is written.
 
     Attributes
     ----------
-    standard
+    fmi_major
         Major version of FMI, 2 or 3.
     attributes
-        Of the root element.
+        Attributes of the root element.
     interfaces
-        Name of an interface to its attributes.
-    experiment
-        Attributes of the default experiment.
+        Name of each interface (``ModelExchange``, ``CoSimulation``, ``ScheduledExecution``) to its attributes.
+    default_experiment
+        Attributes of the default experiment; empty where there is none.
+    variables
+        All variables, in order.
+    unknowns
+        All entries of the model structure, in order.
+    types, units
+        Declared types and units, in order.
+    categories
+        Names of the log categories.
     source_files
-        In FMI 2.0.
+        Names of the source files (FMI 2.0).
+    by_reference
+        Index (FMI 2.0) or value reference (FMI 3.0) to the first variable with it.
     """
 
-    standard: int
+    fmi_major: int
     attributes: dict[str, str]
     interfaces: dict[str, dict[str, str]]
-    experiment: dict[str, str]
-    variables: tuple[Variable, ...]
+    default_experiment: dict[str, str]
+    variables: tuple[RawVariable, ...]
     unknowns: tuple[Unknown, ...]
-    types: tuple[Type, ...]
-    units: tuple[Unit, ...]
+    types: tuple[DeclaredType, ...]
+    units: tuple[DeclaredUnit, ...]
     categories: tuple[str, ...]
     source_files: tuple[str, ...]
-    by_target: dict[int, Variable] = field(repr=False)
+    by_reference: dict[int, RawVariable] = field(repr=False)
 
     @property
     def co_simulation(self) -> dict[str, str]:
-        """Attributes of the co-simulation interface; none where there is no such interface."""
+        """Attributes of the co-simulation interface; empty where there is no such interface."""
         return self.interfaces.get("CoSimulation", {})
 
     @property
-    def identifier(self) -> str:
-        """Model identifier for co-simulation."""
+    def model_identifier(self) -> str:
+        """Model identifier for co-simulation; empty where it is missing."""
         return self.co_simulation.get("modelIdentifier", "")
 
     @property
     def token(self) -> str:
-        """GUID or instantiation token."""
-        return self.attributes.get("guid" if self.standard == 2 else "instantiationToken", "")
+        """The GUID (FMI 2.0) or instantiation token (FMI 3.0); empty where it is missing."""
+        return self.attributes.get("guid" if self.fmi_major == 2 else "instantiationToken", "")
 
-    def can(self, capability: str) -> bool:
-        """Whether a capability of co-simulation is declared; by its name in FMI 3.0, where names differ in capitals."""
+    def has_capability(self, capability: str) -> bool:
+        """Return whether a capability of co-simulation is declared.
+
+        Parameters
+        ----------
+        capability
+            Its name in FMI 3.0; those of FMI 2.0 differ in capitals only.
+        """
         found = {name.lower(): value for name, value in self.co_simulation.items()}
         return found.get(capability.lower()) in ("true", "1")
 
-    def target(self, number: int | None) -> Variable | None:
-        """Look up what an index (FMI 2.0) or a value reference (FMI 3.0) names."""
-        return None if number is None else self.by_target.get(number)
+    def variable(self, reference: int | None) -> RawVariable | None:
+        """Look up a variable by an index (FMI 2.0) or a value reference (FMI 3.0); None where there is none.
+
+        Parameters
+        ----------
+        reference
+            Index, from 1, or value reference; None for no reference.
+
+        Returns
+        -------
+        RawVariable or None
+            The first variable with that reference.
+        """
+        return None if reference is None else self.by_reference.get(reference)
 
 
-def number(text: str | None) -> float | None:
-    """Read a number; NaN for what is none, None for None."""
+def parse_number(text: str | None) -> float | None:
+    """Convert a text to a number; NaN where it is not a number, None for None.
+
+    Parameters
+    ----------
+    text
+        Value of an attribute; None where it is absent.
+
+    Returns
+    -------
+    float or None
+        In the unit of the attribute.
+    """
     if text is None:
         return None
     try:
@@ -168,24 +256,46 @@ def number(text: str | None) -> float | None:
         return math.nan
 
 
-def _integer(text: str | None) -> int | None:
+def _parse_integer(text: str | None) -> int | None:
+    """Convert a text to an integer; -1 where it is not an integer, None for None."""
     try:
         return None if text is None else int(text)
     except ValueError:
         return -1
 
 
-def default_variability(standard: int, kind: str, causality: str) -> str:
-    """Return the variability of a variable whose element gives none."""
-    if standard == 2:
+def default_variability(fmi_major: int, type_name: str, causality: str) -> str:
+    """Return the standard's default variability of a variable.
+
+    Parameters
+    ----------
+    fmi_major
+        Major version of FMI.
+    type_name
+        The variable's type.
+    causality
+        The variable's causality.
+    """
+    if fmi_major == 2:
         return "continuous"
     if causality in _PARAMETERS:
         return "fixed"
-    return "continuous" if kind in FLOATS else "discrete"
+    return "continuous" if type_name in FLOATS else "discrete"
 
 
 def default_initial(causality: str, variability: str) -> str | None:
-    """Return how a variable is initialised whose element does not say."""
+    """Return the standard's default of ``initial``.
+
+    Parameters
+    ----------
+    causality, variability
+        Those of the variable.
+
+    Returns
+    -------
+    str or None
+        None for the independent variable, which has no such attribute.
+    """
     if causality in ("parameter", "structuralParameter", "input"):
         return "exact"
     if causality == "independent":
@@ -193,107 +303,105 @@ def default_initial(causality: str, variability: str) -> str | None:
     return "exact" if variability == "constant" else "calculated"
 
 
-def describe(root: Any) -> Description | None:
-    """Read a description.
+def read_raw_description(root: Any) -> RawDescription | None:
+    """Read a model description.
 
     Parameters
     ----------
     root
-        Its root element.
+        The root element, from lxml.
 
     Returns
     -------
-    Description or None
-        None for other standards than FMI 2.0 and 3.0.
+    RawDescription or None
+        None for versions other than FMI 2.0 and 3.x.
     """
     version = root.get("fmiVersion", "")
-    standard = 2 if version == "2.0" else 3 if version.startswith("3.") else 0
-    if not standard:
+    fmi_major = 2 if version == "2.0" else 3 if version.startswith("3.") else 0
+    if not fmi_major:
         return None
-    types = tuple(map(_type, _type_elements(root, standard)))
-    variables = tuple(_variables(root, standard))
+    variables = tuple(_variables(root, fmi_major))
     interfaces = ("ModelExchange", "CoSimulation", "ScheduledExecution")
     experiment = root.find("DefaultExperiment")
-    return Description(
-        standard=standard,
+    return RawDescription(
+        fmi_major=fmi_major,
         attributes=dict(root.attrib),
         interfaces={name: dict(found.attrib) for name in interfaces if (found := root.find(name)) is not None},
-        experiment={} if experiment is None else dict(experiment.attrib),
+        default_experiment={} if experiment is None else dict(experiment.attrib),
         variables=variables,
-        unknowns=tuple(_unknowns(root, standard)),
-        types=types,
-        units=tuple(_units(root)),
+        unknowns=tuple(_unknowns(root, fmi_major)),
+        types=tuple(_declared_type(name, body) for name, body in _type_elements(root, fmi_major)),
+        units=tuple(_declared_units(root)),
         categories=tuple(c.get("name", "") for c in root.iterfind("LogCategories/Category")),
         source_files=tuple(f.get("name", "") for f in root.iterfind("CoSimulation/SourceFiles/File")),
-        by_target={(v.index if standard == 2 else v.reference): v for v in reversed(variables)},
+        by_reference={(v.index if fmi_major == 2 else v.reference): v for v in reversed(variables)},
     )
 
 
-def _type_elements(root: Any, standard: int) -> Iterator[tuple[str, Any]]:
-    """Go through declared types: name, and the element that has their attributes."""
+def _type_elements(root: Any, fmi_major: int) -> Iterator[tuple[str, Any]]:
+    """Yield the name of each declared type and the element with its attributes."""
     for element in root.iterfind("TypeDefinitions/*"):
-        body = element if standard == 3 else next(element.iterchildren("*"), None)
+        body = element if fmi_major == 3 else next(element.iterchildren("*"), None)
         if body is not None and isinstance(body.tag, str):
             yield element.get("name", ""), body
 
 
-def _type(found: tuple[str, Any]) -> Type:
-    name, body = found
-    items = tuple(number(item.get("value")) or 0.0 for item in body.iterfind("Item"))
-    return Type(name, body.tag.removesuffix("Type"), body.get("unit"), items)
+def _declared_type(name: str, body: Any) -> DeclaredType:
+    items = tuple(parse_number(item.get("value")) or 0.0 for item in body.iterfind("Item"))
+    return DeclaredType(name, body.tag.removesuffix("Type"), body.get("unit"), items)
 
 
-def _units(root: Any) -> Iterator[Unit]:
+def _declared_units(root: Any) -> Iterator[DeclaredUnit]:
     for element in root.iterfind("UnitDefinitions/Unit"):
-        shown = tuple(found.get("name", "") for found in element.iterfind("DisplayUnit"))
-        yield Unit(element.get("name", ""), element.find("BaseUnit") is not None, shown)
+        display_units = tuple(found.get("name", "") for found in element.iterfind("DisplayUnit"))
+        yield DeclaredUnit(element.get("name", ""), element.find("BaseUnit") is not None, display_units)
 
 
-def _variables(root: Any, standard: int) -> Iterator[Variable]:
-    types = dict(_type_elements(root, standard))
+def _variables(root: Any, fmi_major: int) -> Iterator[RawVariable]:
+    types = dict(_type_elements(root, fmi_major))
     elements = (e for e in root.iterfind("ModelVariables/*") if isinstance(e.tag, str))
     for index, element in enumerate(elements, 1):
-        body = element if standard == 3 else next((c for c in element.iterchildren() if c.tag in TYPES), element)
-        yield _variable(standard, index, element, body, types.get(body.get("declaredType")))
+        body = element if fmi_major == 3 else next((c for c in element.iterchildren() if c.tag in KINDS), element)
+        yield _variable(fmi_major, index, element, body, types.get(body.get("declaredType")))
 
 
-def _variable(standard: int, index: int, element: Any, body: Any, declared: Any) -> Variable:
-    """Read a variable: its element, the one of its type (in FMI 3.0 the same), its declared type's or None."""
+def _variable(fmi_major: int, index: int, element: Any, body: Any, type_element: Any) -> RawVariable:
+    """Read a variable from its element, its type's (in FMI 3.0 the same one) and its declared type's or None."""
 
-    def own(name: str) -> str | None:
+    def inherited(name: str) -> str | None:
         text: str | None = body.get(name)
-        if text is None and declared is not None:
-            text = declared.get(name)
+        if text is None and type_element is not None:
+            text = type_element.get(name)
         return text
 
     causality = element.get("causality", "local")
-    variability = element.get("variability") or default_variability(standard, body.tag, causality)
-    return Variable(
+    variability = element.get("variability") or default_variability(fmi_major, body.tag, causality)
+    return RawVariable(
         name=element.get("name", ""),
-        reference=_integer(element.get("valueReference")) or 0,
+        reference=_parse_integer(element.get("valueReference")) or 0,
         type=body.tag,
         causality=causality,
         variability=variability,
         initial=element.get("initial") or default_initial(causality, variability),
         start=_start(body),
-        minimum=number(own("min")),
-        maximum=number(own("max")),
-        nominal=number(own("nominal")),
-        unit=own("unit"),
+        minimum=parse_number(inherited("min")),
+        maximum=parse_number(inherited("max")),
+        nominal=parse_number(inherited("nominal")),
+        unit=inherited("unit"),
         display_unit=body.get("displayUnit"),
-        declared=body.get("declaredType"),
-        derivative=_integer(body.get("derivative")),
+        declared_type=body.get("declaredType"),
+        derivative=_parse_integer(body.get("derivative")),
         clocks=element.get("clocks"),
         aliases=tuple(alias.get("name", "") for alias in element.iterfind("Alias")),
         dimensions=tuple((d.get("start") or "", d.get("valueReference") or "") for d in body.iterfind("Dimension")),
         index=index,
         line=element.sourceline or 0,
-        given={**body.attrib, **element.attrib},
+        attributes={**body.attrib, **element.attrib},
     )
 
 
 def _start(body: Any) -> tuple[str, ...] | None:
-    """Read start values: lists stand in one attribute, except for texts and bytes in FMI 3.0."""
+    """Read start values: a list in one attribute, or elements ``Start`` for strings and binaries of FMI 3.0."""
     elements = body.findall("Start")
     if elements:
         return tuple(element.get("value", "") for element in elements)
@@ -303,23 +411,23 @@ def _start(body: Any) -> tuple[str, ...] | None:
     return (text,) if body.tag in ("String", "Binary") or body.find("Dimension") is None else tuple(text.split())
 
 
-def _unknowns(root: Any, standard: int) -> Iterator[Unknown]:
-    name = "index" if standard == 2 else "valueReference"
-    path = "ModelStructure/*/Unknown" if standard == 2 else "ModelStructure/*"
+def _unknowns(root: Any, fmi_major: int) -> Iterator[Unknown]:
+    name = "index" if fmi_major == 2 else "valueReference"
+    path = "ModelStructure/*/Unknown" if fmi_major == 2 else "ModelStructure/*"
     for element in root.iterfind(path):
         if not isinstance(element.tag, str):
             continue
         yield Unknown(
-            list=_LISTS.get(element.getparent().tag if standard == 2 else element.tag, ""),
-            target=_integer(element.get(name)) or 0,
-            dependencies=_numbers(element.get("dependencies")),
+            list=_LISTS.get(element.getparent().tag if fmi_major == 2 else element.tag, ""),
+            reference=_parse_integer(element.get(name)) or 0,
+            dependencies=_parse_integers(element.get("dependencies")),
             kinds=None if element.get("dependenciesKind") is None else tuple(element.get("dependenciesKind").split()),
             line=element.sourceline or 0,
         )
 
 
-def _numbers(text: str | None) -> tuple[int, ...] | None:
-    return None if text is None else tuple(_integer(word) or 0 for word in text.split())
+def _parse_integers(text: str | None) -> tuple[int, ...] | None:
+    return None if text is None else tuple(_parse_integer(word) or 0 for word in text.split())
 
 
 _LISTS = {
@@ -332,4 +440,4 @@ _LISTS = {
     "ClockedState": "ClockedState",
     "EventIndicator": "EventIndicator",
 }
-"""Name of a list in FMI 2.0 or element in FMI 3.0 to what its entries are."""
+"""Name of a list in FMI 2.0 or element in FMI 3.0 to :attr:`Unknown.list`."""

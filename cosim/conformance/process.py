@@ -1,4 +1,4 @@
-"""Rules of behaviour in processes of their own: a crash or hang of the FMU is a finding, not the end of the tool."""
+"""Run rules of the stage ``behaviour`` in separate processes: a crash or a hang of the FMU becomes a finding."""
 
 from __future__ import annotations
 
@@ -7,81 +7,100 @@ import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cosim.conformance.model_description import Description
+from cosim.conformance.model_description import RawDescription
 from cosim.conformance.rule import Finding, NotApplicableError
 from cosim.errors import RunError
 from cosim.fmi.child_process import ChildProcess
 
 
 @dataclass
-class Question:
-    """Which rule to apply to which FMU.
+class RuleRequest:
+    """A request to apply a rule to an FMU.
 
     Attributes
     ----------
     rule
-        Id.
+        Id of the rule.
     description
-        The FMU's.
+        The FMU's model description.
     folder
-        Where it was extracted.
-    limit
-        How long it may take, in s.
+        Where the FMU was extracted.
+    time_limit
+        How long the rule may take, in s.
     scratch
-        The child's working folder, which the server gives.
+        Working folder of the child process; set by the server.
     """
 
     rule: str
-    description: Description
+    description: RawDescription
     folder: Path
-    limit: float
+    time_limit: float
     scratch: Path = Path()
 
 
 @dataclass
-class Answer:
-    """What a rule found, or why it does not apply."""
+class RuleResult:
+    """The result of applying a rule.
+
+    Attributes
+    ----------
+    findings
+        What the rule found.
+    not_applicable
+        Why the rule does not apply; empty where it does.
+    """
 
     findings: list[Finding] = field(default_factory=list)
-    reason: str = ""
+    not_applicable: str = ""
 
 
-class Processes:
-    """The server that forks a child for each rule; started at the first question, ended by the context.
+class RuleRunner:
+    """Applies rules in child processes of a server, one for each rule.
 
-    One of them serves any number of FMUs.
+    The server is started at the first request and ended at the end of the context. One runner serves any number of
+    FMUs.
     """
 
     def __init__(self) -> None:
-        self._process: ChildProcess | None = None
+        self._server: ChildProcess | None = None
 
-    def __enter__(self) -> Processes:
+    def __enter__(self) -> RuleRunner:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._process is not None:
-            self._process.end()
-            self._process = None
+        if self._server is not None:
+            self._server.end()
+            self._server = None
 
-    def ask(self, question: Question) -> list[Finding]:
-        """Apply a rule.
+    def run(self, request: RuleRequest) -> list[Finding]:
+        """Apply a rule in a child process.
+
+        Parameters
+        ----------
+        request
+            The rule and the FMU.
+
+        Returns
+        -------
+        list of Finding
+            What the rule found.
 
         Raises
         ------
         NotApplicableError
-            If the FMU gives it nothing to look at, or this system has no way to fork.
+            If the rule does not apply to the FMU, or this operating system cannot fork processes.
         RunError
-            If the server itself is gone.
+            If the server has ended.
         """
         if os.name != "posix":
             raise NotApplicableError(f"rules of behaviour need Linux or macOS, this is {sys.platform}")
-        if self._process is None:
-            self._process = ChildProcess("cosim.conformance.server", {"OPENBLAS_NUM_THREADS": "1"})
+        if self._server is None:
+            self._server = ChildProcess("cosim.conformance.server", {"OPENBLAS_NUM_THREADS": "1"})
         try:
-            self._process.connection.send(question)
-            answer: Answer = self._process.connection.recv()
+            self._server.connection.send(request)
+            result: RuleResult = self._server.connection.recv()
         except (EOFError, OSError):
-            raise RunError(f"{question.rule}: expected an answer, but the process that runs FMUs has ended") from None
-        if answer.reason:
-            raise NotApplicableError(answer.reason)
-        return answer.findings
+            raise RunError(f"{request.rule}: expected a result, but the process that runs FMUs has ended") from None
+        if result.not_applicable:
+            raise NotApplicableError(result.not_applicable)
+        return result.findings

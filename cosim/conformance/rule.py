@@ -1,10 +1,10 @@
-"""What a rule is: a function that looks at an FMU and yields what is wrong, with an id and the standard's clause.
+"""What a rule is: a function that inspects an FMU and yields a message for each problem, with an id and a clause.
 
-A rule of the stages ``archive`` and ``description`` looks at files alone and takes a
-:class:`cosim.conformance.fmu_archive.Subject`; a rule of ``behaviour`` runs the FMU, in a process of its own, and takes
-a :class:`cosim.conformance.harness.Bench`. What it yields is a message each: what, where, expected, got; a rule that
-merely needs calls to go well yields nothing, as a call that does not raises its message. A message that is ``Advice``
-is a warning whatever the rule's severity.
+A rule of the stages ``archive`` and ``description`` reads files only and takes a
+:class:`cosim.conformance.fmu_archive.FmuArchive`. A rule of the stage ``behaviour`` runs the FMU in a separate process
+and takes a :class:`cosim.conformance.harness.Harness`. Each message says what, where, expected, got. A rule that only
+requires calls to succeed yields nothing: a call that fails raises an exception with the message. A message of the type
+:class:`Advice` is a warning, whatever the severity of the rule.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ Severity = Literal["error", "warning"]
 Check = Callable[[Any], Iterable[str] | None]
 
 RULES: dict[str, Rule] = {}
-"""All rules by id, in the order in which they are applied; filled when their modules are imported."""
+"""Id to rule; filled when the modules of the rules are imported."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something wrong with an FMU.
+    """A problem of an FMU.
 
     Attributes
     ----------
     rule
         Id of the rule that found it.
     message
-        What, where, expected, got.
+        What, where, expected, got; one line.
     severity
-        ``error`` for what the standard demands, ``warning`` for what is wise.
+        ``error`` for a violation of the standard, ``warning`` for a deviation from good practice.
     """
 
     rule: str
@@ -41,13 +41,13 @@ class Finding:
 
 
 class Advice(str):
-    """A message of a warning."""
+    """A message that is a warning, whatever the severity of its rule."""
 
     __slots__ = ()
 
 
 class NotApplicableError(Exception):
-    """Raised by a rule that has nothing to look at in this FMU, saying why."""
+    """Raised by a rule that does not apply to the FMU; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -57,19 +57,19 @@ class Rule:
     Attributes
     ----------
     id
-        Subject and name, ``archive.paths``.
+        Group and name, for example ``archive.paths``.
     title
-        What holds in a good FMU.
+        What holds in a conforming FMU.
     clause
-        Where the standards say so; empty for what is merely wise.
+        Clauses of the standards; empty for good practice that no standard demands.
     stage
-        What it looks at.
+        What the rule inspects.
     severity
-        Of its findings.
+        Severity of its findings.
     needs
-        Ids of rules without which it makes no sense: it is not applicable where one of them found an error.
-    last
-        Whether it is a second opinion, asked only where no other rule of its stage found anything.
+        Ids of the rules that must pass before this one applies.
+    only_if_stage_passed
+        Whether the rule applies only where no other rule of its stage found anything.
     check
         The function.
     """
@@ -80,21 +80,38 @@ class Rule:
     stage: Stage
     severity: Severity
     needs: tuple[str, ...]
-    last: bool
+    only_if_stage_passed: bool
     check: Check
 
-    def apply(self, subject: Any) -> list[Finding]:
-        """Apply the rule to what its stage takes.
+    def apply(self, target: Any) -> list[Finding]:
+        """Apply the rule to an FMU.
+
+        Parameters
+        ----------
+        target
+            An :class:`~cosim.conformance.fmu_archive.FmuArchive` or a :class:`~cosim.conformance.harness.Harness`,
+            depending on the stage.
+
+        Returns
+        -------
+        list of Finding
+            Empty where the FMU conforms.
 
         Raises
         ------
         NotApplicableError
-            If there is nothing to look at.
+            If the rule does not apply to the FMU.
         """
-        return [self.finding(message) for message in self.check(subject) or ()]
+        return [self.finding(message) for message in self.check(target) or ()]
 
     def finding(self, message: str) -> Finding:
-        """Make a finding of a message."""
+        """Return a finding with a message, on one line.
+
+        Parameters
+        ----------
+        message
+            What, where, expected, got; :class:`Advice` for a warning.
+        """
         return Finding(self.id, " ".join(message.split()), "warning" if isinstance(message, Advice) else self.severity)
 
 
@@ -106,13 +123,26 @@ def rule(
     stage: Stage,
     severity: Severity = "error",
     needs: tuple[str, ...] = (),
-    last: bool = False,
+    only_if_stage_passed: bool = False,
 ) -> Callable[[Check], Check]:
-    """Register a function as a rule; parameters as the attributes of :class:`Rule`."""
+    """Register the decorated function as a rule.
+
+    Parameters
+    ----------
+    name
+        Id of the rule: group and name.
+    title, clause, stage, severity, needs, only_if_stage_passed
+        As the attributes of :class:`Rule`.
+
+    Returns
+    -------
+    Callable
+        A decorator that returns the function unchanged.
+    """
 
     def register(check: Check) -> Check:
         assert name not in RULES, name
-        RULES[name] = Rule(name, title, clause, stage, severity, needs, last, check)
+        RULES[name] = Rule(name, title, clause, stage, severity, needs, only_if_stage_passed, check)
         return check
 
     return register

@@ -1,7 +1,7 @@
-"""The process behind :mod:`cosim.conformance.process`: for each rule it forks a child that runs the FMU.
+"""The server of :class:`cosim.conformance.process.RuleRunner`: forks a child process for each rule.
 
-Everything is imported once, so that a rule costs a fork and no start of Python; and as nothing else runs here, no
-thread and no lock of the tool's own is lost in a fork.
+All modules are imported once, so that a rule costs a fork and not a start of Python. The server has no threads, so that
+a fork copies no lock that another thread holds.
 """
 
 from __future__ import annotations
@@ -19,95 +19,123 @@ from pathlib import Path
 from typing import Any
 
 from cosim.conformance import suite
-from cosim.conformance.harness import Bench
-from cosim.conformance.process import Answer, Question
-from cosim.conformance.raw_instance import Library2, Library3
+from cosim.conformance.harness import Harness
+from cosim.conformance.process import RuleRequest, RuleResult
+from cosim.conformance.raw_instance import RawLibrary2, RawLibrary3
 from cosim.conformance.rule import RULES, NotApplicableError
 from cosim.errors import CosimError
 from cosim.fmi.child_process import how_it_ended, parent_connection
 
 
-def answer(question: Question, output: Path) -> Answer:
-    """Apply a rule in this process."""
+def apply_rule(request: RuleRequest, output: Path) -> RuleResult:
+    """Apply a rule in this process.
+
+    Parameters
+    ----------
+    request
+        The rule and the FMU.
+    output
+        File that receives the standard output and standard error of this process.
+
+    Returns
+    -------
+    RuleResult
+        Any exception becomes a finding.
+    """
+    rule = RULES[request.rule]
     try:
-        bench = Bench(question.description, question.folder, output)
-        return Answer(findings=RULES[question.rule].apply(bench))
+        return RuleResult(findings=rule.apply(Harness(request.description, request.folder, output)))
     except NotApplicableError as reason:
-        return Answer(reason=str(reason))
+        return RuleResult(not_applicable=str(reason))
     except CosimError as error:
-        return Answer(findings=[RULES[question.rule].finding(str(error))])
-    except Exception as error:  # fmpy raises bare exceptions; and a mistake of ours should be told, too
+        return RuleResult(findings=[rule.finding(str(error))])
+    except Exception as error:  # fmpy raises bare exceptions, and errors of the rule itself must be visible
         where = "".join(traceback.format_tb(error.__traceback__)[-1:]).split("\n")[0].strip()
-        return Answer(findings=[RULES[question.rule].finding(f"{type(error).__name__}: {error} [{where}]")])
+        return RuleResult(findings=[rule.finding(f"{type(error).__name__}: {error} [{where}]")])
 
 
-def _child(question: Question, pipe: int) -> None:
-    """Apply a rule, its folder and its output being its own; never returns."""
+def _child(request: RuleRequest, pipe: int) -> None:
+    """Apply a rule with a working folder and an output file of its own, write the result to a pipe and exit."""
     with suppress(BaseException):
-        os.chdir(question.scratch)
-        output = question.scratch.with_suffix(".out")
+        os.chdir(request.scratch)
+        output = request.scratch.with_suffix(".out")
         file = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND)
         os.dup2(file, 1)
         os.dup2(file, 2)
         os.close(file)
-        content = pickle.dumps(answer(question, output))
+        content = pickle.dumps(apply_rule(request, output))
         with os.fdopen(pipe, "wb") as stream:
             stream.write(content)
-    os._exit(0)  # foreign libraries may crash on a regular end
+    os._exit(0)  # foreign libraries may crash at a regular exit
 
 
-def run(question: Question, connection: Connection) -> Answer:
-    """Apply a rule in a child, which is killed after the time limit or when nobody waits for it any more."""
-    theirs, ours = os.pipe()
+def run_in_child(request: RuleRequest, connection: Connection) -> RuleResult:
+    """Apply a rule in a child process.
+
+    The child is killed when the time limit has passed or the client has closed its connection.
+
+    Parameters
+    ----------
+    request
+        The rule and the FMU.
+    connection
+        Connection to the client.
+
+    Returns
+    -------
+    RuleResult
+        A child that was killed or crashed is a finding.
+    """
+    read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
-        os.close(theirs)
-        _child(question, ours)
-    os.close(ours)
-    deadline = time.monotonic() + question.limit
+        os.close(read_end)
+        _child(request, write_end)
+    os.close(write_end)
+    content = _read_until(time.monotonic() + request.time_limit, read_end, connection.fileno())
+    if content is None:
+        os.kill(child, signal.SIGKILL)
+    os.close(read_end)
+    _, status = os.waitpid(child, 0)
+    if content:
+        result: RuleResult = pickle.loads(content)
+        return result
+    if content is None:
+        message = f"expected an end within {request.time_limit:g} s, the FMU hung"
+    else:
+        message = f"expected a return, but the process {how_it_ended(os.waitstatus_to_exitcode(status))}"
+    return RuleResult(findings=[RULES[request.rule].finding(message)])
+
+
+def _read_until(deadline: float, pipe: int, client: int) -> bytes | None:
+    """Read a pipe up to its end; None if the deadline passes or the client hangs up before."""
     content = b""
     poll = select.poll()
-    poll.register(theirs, select.POLLIN)
-    poll.register(connection.fileno(), 0)  # a hang-up comes unasked
-    hung = False
+    poll.register(pipe, select.POLLIN)
+    poll.register(client, 0)  # a hang-up is always reported
     while True:
         ready = poll.poll(max(0.0, 1000.0 * (deadline - time.monotonic())))
-        if not ready or any(number == connection.fileno() for number, _ in ready):
-            hung = True
-            os.kill(child, signal.SIGKILL)
-            break
-        part = os.read(theirs, 1 << 16)
+        if not ready or any(number == client for number, _ in ready):
+            return None
+        part = os.read(pipe, 1 << 16)
         if not part:
-            break
+            return content
         content += part
-    os.close(theirs)
-    _, status = os.waitpid(child, 0)
-    if content and not hung:
-        found: Answer = pickle.loads(content)
-        return found
-    return Answer(findings=[RULES[question.rule].finding(_fate(question, status, hung))])
-
-
-def _fate(question: Question, status: int, hung: bool) -> str:
-    """Say how a child ended that gave no answer."""
-    if hung:
-        return f"expected an end within {question.limit:g} s, the FMU hung"
-    return f"expected a return, but the process {how_it_ended(os.waitstatus_to_exitcode(status))}"
 
 
 def main() -> None:
-    """Serve the connection whose file descriptor is the first argument."""
+    """Serve requests from the connection whose file descriptor is the first argument of the command line."""
     suite.load_rules()
-    for library in (Library2, Library3):
-        library.prototypes()  # once for all children
+    for library in (RawLibrary2, RawLibrary3):
+        library.prototypes()  # cached for all children
     connection = parent_connection()
     with tempfile.TemporaryDirectory() as scratch, suppress(EOFError, OSError):
         while True:
-            question: Any = connection.recv()
-            folder = Path(scratch, question.rule)
+            request: Any = connection.recv()
+            folder = Path(scratch, request.rule)
             folder.mkdir(exist_ok=True)
-            for left in folder.iterdir():
+            for file in folder.iterdir():
                 with suppress(OSError):
-                    left.unlink()
-            question.scratch = folder
-            connection.send(run(question, connection))
+                    file.unlink()
+            request.scratch = folder
+            connection.send(run_in_child(request, connection))

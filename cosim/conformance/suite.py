@@ -1,4 +1,4 @@
-"""Applies the rules to an FMU: files first, then the library in processes of its own."""
+"""Apply the rules to an FMU: first to its files, then to its library in separate processes."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Literal
 
 from cosim.conformance import TIME_LIMIT
-from cosim.conformance.fmu_archive import Subject
-from cosim.conformance.process import Processes, Question
+from cosim.conformance.fmu_archive import FmuArchive
+from cosim.conformance.process import RuleRequest, RuleRunner
 from cosim.conformance.raw_instance import library_path
 from cosim.conformance.rule import RULES, Finding, NotApplicableError, Rule
 from cosim.errors import SetupError
@@ -35,27 +35,27 @@ Verdict = Literal["passed", "failed", "warning", "not applicable"]
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What a rule came to.
+class RuleOutcome:
+    """The result of a rule for an FMU.
 
     Attributes
     ----------
     rule
         The rule.
     findings
-        What is wrong.
-    reason
+        What it found.
+    not_applicable
         Why the rule does not apply; empty where it does.
     """
 
     rule: Rule
     findings: tuple[Finding, ...] = ()
-    reason: str = ""
+    not_applicable: str = ""
 
     @property
     def verdict(self) -> Verdict:
-        """The worst of its findings."""
-        if self.reason:
+        """``failed`` with any error, ``warning`` with warnings only, ``passed`` without findings."""
+        if self.not_applicable:
             return "not applicable"
         if any(finding.severity == "error" for finding in self.findings):
             return "failed"
@@ -63,19 +63,19 @@ class Outcome:
 
 
 @dataclass
-class Examination:
-    """All outcomes of an FMU.
+class ValidationReport:
+    """The results of all rules for an FMU.
 
     Attributes
     ----------
     path
         The FMU.
     outcomes
-        By the rule's id, in the order of the rules.
+        Id of each rule to its result, in the order of the rules.
     """
 
     path: Path
-    outcomes: dict[str, Outcome] = field(default_factory=dict)
+    outcomes: dict[str, RuleOutcome] = field(default_factory=dict)
 
     @property
     def findings(self) -> list[Finding]:
@@ -83,12 +83,18 @@ class Examination:
         return [finding for outcome in self.outcomes.values() for finding in outcome.findings]
 
     def count(self, verdict: Verdict) -> int:
-        """Count the rules with a verdict."""
+        """Return the number of rules with a verdict."""
         return sum(outcome.verdict == verdict for outcome in self.outcomes.values())
 
 
 def load_rules() -> dict[str, Rule]:
-    """Import all rules, and return them in the order in which they are applied."""
+    """Import the modules of all rules.
+
+    Returns
+    -------
+    dict
+        Id to rule, in the order in which they are applied.
+    """
     for module in MODULES:
         importlib.import_module(f"cosim.conformance.rules.{module}")
     order = {module: place for place, module in enumerate(MODULES)}
@@ -96,17 +102,17 @@ def load_rules() -> dict[str, Rule]:
     return {rule.id: rule for rule in ordered}
 
 
-def _named(words: Iterable[str], rules: Iterable[str]) -> set[str]:
-    """Return the rules that ids and groups stand for; a word that is neither is an error."""
+def _selected(names: Iterable[str], rules: Iterable[str]) -> set[str]:
+    """Return the ids of the rules that are named by id or group."""
     groups: dict[str, set[str]] = {}
-    for name in rules:
-        groups.setdefault(name.partition(".")[0], set()).add(name)
-        groups[name] = {name}
-    for word in words:
-        if word not in groups:
-            expected = ", ".join(name for name in groups if "." not in name)
-            raise SetupError(f"rule {word}: expected an id that --list shows, or one of {expected}; got no such rule")
-    return set().union(*(groups[word] for word in words))
+    for rule in rules:
+        groups.setdefault(rule.partition(".")[0], set()).add(rule)
+        groups[rule] = {rule}
+    for name in names:
+        if name not in groups:
+            expected = ", ".join(group for group in groups if "." not in group)
+            raise SetupError(f"rule {name}: expected an id that --list shows, or one of {expected}; got no such rule")
+    return set().union(*(groups[name] for name in names))
 
 
 def validate(
@@ -115,53 +121,61 @@ def validate(
     only: Collection[str] = (),
     skip: Collection[str] = (),
     time_limit: float = TIME_LIMIT,
-    processes: Processes | None = None,
+    runner: RuleRunner | None = None,
     progress: Callable[[str], None] = lambda rule: None,
-) -> Examination:
-    """Apply the rules to an FMU.
+) -> ValidationReport:
+    """Validate an FMU against the rules.
 
     Parameters
     ----------
     path
-        The file.
+        The ``.fmu`` file.
     only
-        Rules to show, by id or group (``lifecycle.reset``, ``life``); all if empty. What they need is applied, too, but
-        not shown.
+        Rules to report, by id or group (``lifecycle.reset``, ``lifecycle``); all if empty. The rules that these need
+        are applied, too, but not reported.
     skip
-        Rules to leave out, likewise.
+        Rules not to apply, by id or group.
     time_limit
         How long a rule may run the FMU, in s.
-    processes
-        Where rules of behaviour run; of its own if None. To be shared by several FMUs, which saves a start each.
+    runner
+        Applies the rules of the stage ``behaviour``; a new one if None. Validations of several FMUs can share one,
+        which starts one server only.
     progress
         Called with the id of each rule before it is applied.
+
+    Returns
+    -------
+    ValidationReport
+        The results of the reported rules.
 
     Raises
     ------
     SetupError
         If there is no such file, or no such rule.
+    RunError
+        If the server of the runner has ended.
     """
     rules = load_rules()
     if not path.is_file():
         raise SetupError(f"{path}: expected an FMU, got no such file")
-    shown, left_out = _named(only, rules), _named(skip, rules)
-    wanted = [name for name in rules if name not in left_out and (not only or name in shown)]
+    chosen, skipped = _selected(only, rules), _selected(skip, rules)
+    reported = [name for name in rules if name not in skipped and (not only or name in chosen)]
     with ExitStack() as stack:
-        work = _Work(Subject(path), processes or stack.enter_context(Processes()), time_limit)
-        stack.callback(work.subject.close)
-        work.folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        found = Examination(path)
-        done: dict[str, Outcome] = {}
-        for name in _with_needs(wanted, rules):
+        validation = _Validation(FmuArchive(path), runner or stack.enter_context(RuleRunner()), time_limit)
+        stack.callback(validation.fmu.close)
+        validation.folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        report = ValidationReport(path)
+        outcomes: dict[str, RuleOutcome] = {}
+        for name in _with_needs(reported, rules):
             progress(name)
-            done[name] = work.apply(rules[name], done)
-            if name in wanted:
-                found.outcomes[name] = done[name]
-        return found
+            outcomes[name] = validation.apply(rules[name], outcomes)
+            if name in reported:
+                report.outcomes[name] = outcomes[name]
+        return report
 
 
-def _with_needs(wanted: Collection[str], rules: dict[str, Rule]) -> Iterator[str]:
-    """Put before each rule what it needs, all of them once."""
+def _with_needs(names: Collection[str], rules: dict[str, Rule]) -> Iterator[str]:
+    """Yield the rules and those that they need, each once and after those that it needs."""
     seen: set[str] = set()
 
     def visit(name: str) -> Iterator[str]:
@@ -171,57 +185,58 @@ def _with_needs(wanted: Collection[str], rules: dict[str, Rule]) -> Iterator[str
                 yield from visit(need)
             yield name
 
-    for name in wanted:
+    for name in names:
         yield from visit(name)
 
 
 @dataclass
-class _Work:
-    """An examination under way."""
+class _Validation:
+    """A validation in progress."""
 
-    subject: Subject
-    processes: Processes
+    fmu: FmuArchive
+    runner: RuleRunner
     time_limit: float
     folder: Path = Path()
-    _extracted: str | None = None
-    """Why the FMU cannot be run, empty if it can; None before that was tried."""
+    _cannot_run: str | None = None
+    """Why the FMU cannot be run, empty where it can; None before the extraction."""
 
-    def apply(self, rule: Rule, done: dict[str, Outcome]) -> Outcome:
-        """Apply a rule, given the outcomes of those before it."""
+    def apply(self, rule: Rule, outcomes: dict[str, RuleOutcome]) -> RuleOutcome:
+        """Apply a rule, given the outcomes of the rules before."""
         try:
-            self._see_needs(rule, done)
+            self._check_needs(rule, outcomes)
             if rule.stage != "behaviour":
-                return Outcome(rule, tuple(rule.apply(self.subject)))
-            return Outcome(rule, tuple(self.processes.ask(self._question(rule))))
+                return RuleOutcome(rule, tuple(rule.apply(self.fmu)))
+            return RuleOutcome(rule, tuple(self.runner.run(self._request(rule))))
         except NotApplicableError as reason:
-            return Outcome(rule, reason=str(reason))
+            return RuleOutcome(rule, not_applicable=str(reason))
 
-    def _see_needs(self, rule: Rule, done: dict[str, Outcome]) -> None:
+    def _check_needs(self, rule: Rule, outcomes: dict[str, RuleOutcome]) -> None:
         for need in rule.needs:
-            if done[need].reason:
-                raise NotApplicableError(done[need].reason)
-            if done[need].findings:
+            if outcomes[need].not_applicable:
+                raise NotApplicableError(outcomes[need].not_applicable)
+            if outcomes[need].findings:
                 raise NotApplicableError(f"see {need}")
-        if rule.last and any(done[name].findings for name in done if done[name].rule.stage == rule.stage):
-            raise NotApplicableError("other rules found enough")
+        same_stage = (outcome for outcome in outcomes.values() if outcome.rule.stage == rule.stage)
+        if rule.only_if_stage_passed and any(outcome.findings for outcome in same_stage):
+            raise NotApplicableError("other rules found problems already")
 
-    def _question(self, rule: Rule) -> Question:
-        if self._extracted is None:
-            self._extracted = self._extract()
-        if self._extracted:
-            raise NotApplicableError(self._extracted)
-        assert self.subject.description is not None
-        return Question(rule.id, self.subject.description, self.folder, self.time_limit)
+    def _request(self, rule: Rule) -> RuleRequest:
+        if self._cannot_run is None:
+            self._cannot_run = self._extract()
+        if self._cannot_run:
+            raise NotApplicableError(self._cannot_run)
+        assert self.fmu.description is not None
+        return RuleRequest(rule.id, self.fmu.description, self.folder, self.time_limit)
 
     def _extract(self) -> str:
-        """Extract the FMU; returns why it cannot be run."""
-        description = self.subject.description
+        """Extract the FMU; return why it cannot be run, or an empty text."""
+        description = self.fmu.description
         if description is None:
             return "the description cannot be read"
         if "CoSimulation" not in description.interfaces:
             return "the FMU is not for co-simulation"
         try:
-            self.subject.extract(self.folder)
+            self.fmu.extract(self.folder)
         except SetupError:
             return "the archive cannot be extracted safely"
         (self.folder / "resources").mkdir(exist_ok=True)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from fmpy.model_description import ModelVariable
 
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.values import KINDS, NUMERIC, items_of, value_range
+from cosim.fmi.values import items_of, value_range
+from cosim.fmi.variable_types import KINDS, NUMERIC
 from cosim.units import IDENTITY, Linear, Unit, conversion, named_unit
 
 _EXACT_AS_FLOAT32 = 2.0**24

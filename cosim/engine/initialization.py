@@ -15,7 +15,7 @@ from cosim.engine.dependencies import Graph, Node, loops, order_by_dependencies
 from cosim.errors import RunError
 from cosim.fmi.access import VariableMapping
 from cosim.fmi.isolated import AnyInstance
-from cosim.fmi.values import KINDS
+from cosim.fmi.variable_types import KINDS
 
 MOST_ROUNDS = 100
 """Rounds after which an iteration that still changes counts as one that does not converge."""

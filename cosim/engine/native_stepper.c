@@ -26,17 +26,17 @@ typedef int DoStep2(void *instance, double time, double step, int no_return);
 typedef int DoStep3(void *instance, double time, double step, bool no_return, bool *event, bool *terminate, bool *early,
                     double *reached);
 
-#define EACH_TYPE(DO)                                                                                                  \
-    DO(float64, double)                                                                                                \
-    DO(float32, float)                                                                                                 \
-    DO(bool8, bool)                                                                                                    \
-    DO(int8, int8_t)                                                                                                   \
-    DO(int16, int16_t)                                                                                                 \
-    DO(int32, int32_t)                                                                                                 \
-    DO(int64, int64_t)                                                                                                 \
-    DO(uint8, uint8_t)                                                                                                 \
-    DO(uint16, uint16_t)                                                                                               \
-    DO(uint32, uint32_t)                                                                                               \
+#define EACH_TYPE(DO)    \
+    DO(float64, double)  \
+    DO(float32, float)   \
+    DO(bool8, bool)      \
+    DO(int8, int8_t)     \
+    DO(int16, int16_t)   \
+    DO(int32, int32_t)   \
+    DO(int64, int64_t)   \
+    DO(uint8, uint8_t)   \
+    DO(uint16, uint16_t) \
+    DO(uint32, uint32_t) \
     DO(uint64, uint64_t)
 
 EXPORT const char *stepper_source(void)
@@ -120,11 +120,11 @@ static void fill_buffer(const VariableAccess *access, const double values[])
         return;
     }
     switch (access->type) {
-#define FILL(code, type_)                                                                                              \
-    case code:                                                                                                         \
-        for (int64_t i = 0; i < access->count; ++i) {                                                                  \
-            ((type_ *)access->buffer)[i] = (type_)values[access->index[i]];                                            \
-        }                                                                                                              \
+#define FILL(code, type_)                                                   \
+    case code:                                                              \
+        for (int64_t i = 0; i < access->count; ++i) {                       \
+            ((type_ *)access->buffer)[i] = (type_)values[access->index[i]]; \
+        }                                                                   \
         break;
         EACH_TYPE(FILL)
 #undef FILL
@@ -135,11 +135,11 @@ static void fill_buffer(const VariableAccess *access, const double values[])
 static void empty_buffer(const VariableAccess *access, double values[])
 {
     switch (access->type) {
-#define EMPTY(code, type_)                                                                                             \
-    case code:                                                                                                         \
-        for (int64_t i = 0; i < access->count; ++i) {                                                                  \
-            values[access->index[i]] = (double)((const type_ *)access->buffer)[i];                                     \
-        }                                                                                                              \
+#define EMPTY(code, type_)                                                         \
+    case code:                                                                     \
+        for (int64_t i = 0; i < access->count; ++i) {                              \
+            values[access->index[i]] = (double)((const type_ *)access->buffer)[i]; \
+        }                                                                          \
         break;
         EACH_TYPE(EMPTY)
 #undef EMPTY

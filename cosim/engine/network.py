@@ -13,7 +13,8 @@ from cosim.engine.compatibility import Compatibility, check_types, convert_units
 from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.elements import Elements
-from cosim.fmi.values import KINDS, Value
+from cosim.fmi.values import Value
+from cosim.fmi.variable_types import KINDS
 from cosim.units import IDENTITY, Linear
 
 

@@ -13,7 +13,8 @@ from cosim.engine.network import Network, VariableRef, with_article
 from cosim.engine.step_order import Edge, propose
 from cosim.engine.unconnected_inputs import UnconnectedInputs, resolve_unconnected
 from cosim.errors import Problems, SetupError, did_you_mean
-from cosim.fmi.values import KINDS, NUMERIC, Checked, Value
+from cosim.fmi.values import Checked, Value
+from cosim.fmi.variable_types import KINDS, NUMERIC
 
 Algorithm = Literal["gauss-seidel", "jacobi"]
 """How components exchange values: each with the newest of the others, or all at once with those of the step before."""

@@ -1,4 +1,4 @@
-"""Archives: checked before anything of them is extracted, and written so that the same content gives the same bytes."""
+"""Check zip archives before they are extracted, and write them reproducibly."""
 
 from __future__ import annotations
 
@@ -12,48 +12,70 @@ from typing import BinaryIO
 
 from cosim.errors import SetupError
 
-LARGEST = 8 * 2**30
-"""Bytes an archive may have when extracted."""
+MAX_SIZE = 8 * 2**30
+"""Maximum size of an extracted archive, in bytes."""
 
-LARGEST_RATIO = 200
-"""How many times its own size an archive may have when extracted, where that is more than ``UNSUSPICIOUS``: tables of
-numbers shrink 2 to 10 times, what is made to fill a disk 1000 times."""
+MAX_RATIO = 200
+"""Maximum ratio of extracted to packed size, for archives larger than :data:`SAFE_SIZE` when extracted.
 
-UNSUSPICIOUS = 100 * 2**20
-"""Bytes that do no harm, however well they were compressed."""
+Tables of numbers have ratios of 2 to 10, archives that are made to fill a disk about 1000.
+"""
+
+SAFE_SIZE = 100 * 2**20
+"""Extracted size in bytes up to which any compression ratio is accepted."""
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Time of every member that is written: the same content gives the same bytes."""
+"""Modification time of every written member, so that the same content gives the same bytes."""
 
-_TOLD = 5
-"""How many problems of one archive are told."""
+_MAX_REPORTED = 5
+"""How many problems of one archive are reported."""
 
 
 def check_archive(archive: zipfile.ZipFile, where: Path) -> None:
-    """Check that an archive can be extracted into a folder, and nowhere else.
+    """Check that extracting an archive writes to the target folder only, and not too much.
 
     Parameters
     ----------
     archive
-        An open one; only its table of contents is read.
+        An open archive. Only its table of contents is read; zipfile never extracts more than a member's declared size.
     where
-        The archive, as messages call it.
+        Name of the archive in messages.
 
     Raises
     ------
     SetupError
-        If a member's path leaves the folder or is not portable, comes twice, is a link or encrypted, or if the whole is
-        too large; with the members' names. What a member declares to be its size is more than it can be extracted to.
+        If a member's path leaves the folder, is not portable or occurs twice, if a member is a link or encrypted, or if
+        the extracted size is too large.
     """
     members = archive.infolist()
-    problems = [f"{where}: {problem}" for problem in (*_problems(members), *size_problems(archive))]
+    problems = [f"{where}: {problem}" for problem in (*_member_problems(members), *size_problems(archive))]
     if problems:
-        more = [f"{where}: {len(problems) - _TOLD} more problems"] if len(problems) > _TOLD else []
-        raise SetupError(*problems[:_TOLD], *more)
+        more = [f"{where}: {len(problems) - _MAX_REPORTED} more problems"] if len(problems) > _MAX_REPORTED else []
+        raise SetupError(*problems[:_MAX_REPORTED], *more)
 
 
 def open_archive(file: str | Path | BinaryIO, where: Path) -> zipfile.ZipFile:
-    """Open an archive that can be extracted safely; exceptions as those of :func:`check_archive` and zipfile."""
+    """Open an archive that can be extracted safely.
+
+    Parameters
+    ----------
+    file
+        The archive, as a file name or an open file.
+    where
+        Name of the archive in messages.
+
+    Returns
+    -------
+    zipfile.ZipFile
+        The open archive; the caller closes it.
+
+    Raises
+    ------
+    SetupError
+        If it cannot be extracted safely, see :func:`check_archive`.
+    zipfile.BadZipFile
+        If the file is not a zip archive.
+    """
     archive = zipfile.ZipFile(file)
     try:
         check_archive(archive, where)
@@ -64,35 +86,53 @@ def open_archive(file: str | Path | BinaryIO, where: Path) -> zipfile.ZipFile:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file of that name; there is none of a name that no file can have."""
+    """Return whether a file exists; False also for names that are too long or otherwise invalid.
+
+    Parameters
+    ----------
+    path
+        Any path, for example one from a file that a user provided.
+    """
     try:
         return path.is_file()
     except OSError:
         return False
 
 
-def leaves(name: str) -> bool:
-    """Whether a path may lead out of the folder it is relative to, on any platform."""
+def is_unsafe_path(name: str) -> bool:
+    """Return whether a relative path may lead out of its folder on any platform.
+
+    Parameters
+    ----------
+    name
+        A path with forward slashes.
+    """
     path = PurePosixPath(name)
     return "\\" in name or ":" in name or "\0" in name or path.is_absolute() or ".." in path.parts
 
 
 def is_special(member: zipfile.ZipInfo) -> bool:
-    """Whether a member is neither file nor folder, but a link or a device."""
+    """Return whether a member is a link or a device, not a file or a folder."""
     return stat.S_IFMT(member.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR)
 
 
 def is_encrypted(member: zipfile.ZipInfo) -> bool:
-    """Whether a member is encrypted."""
+    """Return whether a member is encrypted."""
     return bool(member.flag_bits & 1)
 
 
 def is_outside(member: zipfile.ZipInfo) -> bool:
-    """Whether a member's path, as it was before zipfile makes it harmless, may leave the folder, or names nothing."""
-    return leaves(member.orig_filename) or not PurePosixPath(member.orig_filename).parts
+    """Return whether a member's path is empty or may leave the folder, before zipfile sanitizes it.
+
+    Parameters
+    ----------
+    member
+        A member of an archive.
+    """
+    return is_unsafe_path(member.orig_filename) or not PurePosixPath(member.orig_filename).parts
 
 
-def _problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
+def _member_problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
     times = Counter(str(PurePosixPath(member.filename)) for member in members)
     for member in members:
         name = member.orig_filename
@@ -108,7 +148,18 @@ def _problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
 
 
 def size_problems(archive: zipfile.ZipFile) -> Iterator[str]:
-    """Tell what is wrong with the size of what an archive holds, as it declares it."""
+    """Yield the problems with the extracted size that an archive declares.
+
+    Parameters
+    ----------
+    archive
+        An open archive; only its table of contents is read.
+
+    Yields
+    ------
+    str
+        A message for a total size or a compression ratio that is too large.
+    """
     members = archive.infolist()
     if not members:
         return
@@ -116,26 +167,28 @@ def size_problems(archive: zipfile.ZipFile) -> Iterator[str]:
     packed = min(sum(member.compress_size for member in members), archive.start_dir)  # members may share their bytes
     largest = max(members, key=lambda member: member.file_size)
     whole = f"got {size / 2**20:.0f} MiB from {packed / 2**20:.3g} MiB (largest member: {largest.filename!r})"
-    if size > LARGEST:
-        yield f"expected at most {LARGEST / 2**20:.0f} MiB when extracted, {whole}"
-    elif size > UNSUSPICIOUS and size > LARGEST_RATIO * packed:
-        yield f"expected at most {LARGEST_RATIO} times the packed size when extracted, {whole}"
+    if size > MAX_SIZE:
+        yield f"expected at most {MAX_SIZE / 2**20:.0f} MiB when extracted, {whole}"
+    elif size > SAFE_SIZE and size > MAX_RATIO * packed:
+        yield f"expected at most {MAX_RATIO} times the packed size when extracted, {whole}"
 
 
 def write_archive(path: Path, contents: Mapping[str, bytes]) -> bool:
-    """Write an archive with sorted entries and without times; it is there as a whole or not at all.
+    """Write an archive with sorted members and a fixed modification time.
+
+    The file is replaced atomically. The same contents give the same bytes.
 
     Parameters
     ----------
     path
-        The file; its folder is made where it does not exist.
+        The file; its folder is created where it does not exist.
     contents
-        Name in the archive to content.
+        Member name to content.
 
     Returns
     -------
     bool
-        False where the same file stood there already; it is left alone.
+        False where the same file existed already; it is not written again.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     stream = io.BytesIO()
@@ -154,6 +207,12 @@ def write_archive(path: Path, contents: Mapping[str, bytes]) -> bool:
 
 
 def read_archive(path: Path) -> dict[str, bytes]:
-    """Read all files of an archive."""
+    """Read an archive into a dict of member name to content, without folders.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
     with zipfile.ZipFile(path) as archive:
         return {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}

@@ -1,4 +1,4 @@
-"""What an FMU says about itself, read before anything of it is loaded."""
+"""Read and check an FMU's model description without loading its library."""
 
 from __future__ import annotations
 
@@ -17,26 +17,27 @@ from fmpy.model_description import ModelDescription as FmpyDescription
 from fmpy.model_description import ModelVariable
 
 from cosim.errors import SetupError, did_you_mean
-from cosim.fmi.archive import is_file, leaves, open_archive
+from cosim.fmi.archive import is_file, is_unsafe_path, open_archive
 from cosim.fmi.elements import Elements, array_name, find_elements, shape_of, sizes_problems
 from cosim.fmi.repairs import DESCRIPTION, repaired
 from cosim.fmi.unsupported import unsupported
-from cosim.fmi.values import KINDS, NUMERIC, Checked, Scalar, Value, array_of, number, starts
+from cosim.fmi.values import Checked, Scalar, Value, array_of, number, starts
+from cosim.fmi.variable_types import KINDS, NUMERIC
 from cosim.units import Unit
 
 
 @dataclass(frozen=True)
 class ModelDescription:
-    """An FMU for co-simulation as its description tells.
+    """The model description of an FMU for co-simulation.
 
     Attributes
     ----------
     path
         The ``.fmu`` file, or the archive that holds it.
     description
-        fmpy's reading of its ``modelDescription.xml``.
+        The ``modelDescription.xml`` as fmpy reads it.
     variables
-        By name, in the description's order.
+        Name to variable, in the order of the description.
     member
         Its name in the archive; None for a file of its own.
     sampled
@@ -51,19 +52,25 @@ class ModelDescription:
 
     @classmethod
     def read(cls, path: str | Path, member: str | None = None) -> ModelDescription:
-        """Read an FMU's description.
+        """Read and check an FMU's model description.
 
         Parameters
         ----------
         path
             The ``.fmu`` file, or an archive (an ``.ssp`` file) that holds it.
         member
-            Its name in the archive.
+            The FMU's name in the archive, if ``path`` is one.
+
+        Returns
+        -------
+        ModelDescription
+            The description, checked.
 
         Raises
         ------
         SetupError
-            If there is no such file, it is no FMU, or not one of FMI 2.0 or 3.0 for co-simulation.
+            If the file does not exist, is not an FMU, has no readable model description, is not of FMI 2.0 or 3.0 for
+            co-simulation, or has no binary for this platform.
         """
         file, path = Path(path), _inside(Path(path), member)
         if not is_file(file):
@@ -85,14 +92,14 @@ class ModelDescription:
         except KeyError as error:
             missing = "an FMU" if member and member in str(error) else "a modelDescription.xml"
             raise SetupError(f"{path}: expected {missing} in the archive, got none") from None
-        except Exception as error:  # whatever fmpy stumbles over in a foreign file
+        except Exception as error:  # fmpy raises exceptions of many types for invalid files
             raise SetupError(f"{path}: expected a readable modelDescription.xml, got: {error}") from error
         if description.fmiMajorVersion not in (2, 3) or description.coSimulation is None:
             kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
             raise SetupError(
                 f"{path}: expected FMI 2.0 or 3.0 for co-simulation, got FMI {description.fmiVersion}, {kind}"
             )
-        if leaves(identifier := str(description.coSimulation.modelIdentifier)) or "/" in identifier:
+        if is_unsafe_path(identifier := str(description.coSimulation.modelIdentifier)) or "/" in identifier:
             raise SetupError(f"{path}: expected a modelIdentifier that names a file, got {identifier!r}")
         if problems := unsupported(description):
             raise SetupError(*(f"{path}: {problem}" for problem in problems))
@@ -101,13 +108,7 @@ class ModelDescription:
         return model
 
     def _check_numbers(self) -> None:
-        """Convert each number of the description that is asked for later: one that is none is an error now.
-
-        Raises
-        ------
-        ValueError
-            With the variable, if it is one of a variable.
-        """
+        """Convert all numbers that are used later, so that an invalid one is an error now; names the variable."""
         assert self.defined_units is not None
         for attribute in ("startTime", "stopTime", "stepSize", "tolerance"):
             self._experiment(attribute)
@@ -156,16 +157,16 @@ class ModelDescription:
 
     @property
     def where(self) -> Path:
-        """The FMU as messages call it."""
+        """Name of the FMU in messages: its path, inside the archive where it is a member."""
         return _inside(self.path, self.member)
 
     def content(self) -> bytes:
-        """Read the whole FMU."""
+        """Read the bytes of the FMU."""
         opened = self.open()
         return Path(opened).read_bytes() if isinstance(opened, str) else opened.read()
 
     def open(self) -> str | BinaryIO:
-        """Return what fmpy and zipfile open: the file's name, or the archive's member."""
+        """Return what fmpy and zipfile accept: the file's name, or the archive's member as an open file."""
         return _opened(self.path, self.member)
 
     def extract(self, folder: Path) -> None:
@@ -174,12 +175,12 @@ class ModelDescription:
         Parameters
         ----------
         folder
-            It exists.
+            An existing folder.
 
         Raises
         ------
         SetupError
-            If the archive is damaged or holds what it should not; then nothing is extracted.
+            If the archive is unsafe, which is checked before anything is extracted, or damaged.
         """
         try:
             with open_archive(self.open(), self.where) as archive:
@@ -191,16 +192,28 @@ class ModelDescription:
 
     @property
     def outputs(self) -> list[ModelVariable]:
-        """Outputs that are numbers or Booleans, in order."""
+        """Outputs with numeric or Boolean values, in the order of the description."""
         return [v for v in self.variables.values() if v.causality == "output" and KINDS[v.type] in NUMERIC]
 
     def variable(self, component: str, name: str) -> ModelVariable:
         """Look up a variable.
 
+        Parameters
+        ----------
+        component
+            Name of the component in messages.
+        name
+            Name of the variable.
+
+        Returns
+        -------
+        ModelVariable
+            The variable as fmpy reads it.
+
         Raises
         ------
         SetupError
-            If there is none of that name, with the nearest names.
+            If there is no such variable; the message suggests similar names.
         """
         if name not in self.variables:
             raise SetupError(
@@ -232,25 +245,46 @@ class ModelDescription:
 
     @property
     def defined_units(self) -> list[Unit]:
-        """All units that the FMU defines."""
-        definitions = [(unit, unit.baseUnit) for unit in self.description.unitDefinitions if unit.baseUnit is not None]
-        return [
-            Unit(unit.name, (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad), b.factor, b.offset)
-            for unit, b in definitions
-        ]
+        """All units that the FMU defines in base units."""
+        units = [unit for unit in self.description.unitDefinitions if unit.baseUnit is not None]
+        return [Unit.from_base_unit(unit.name, unit.baseUnit) for unit in units]
 
     def defined_unit(self, variable: ModelVariable) -> Unit | None:
-        """Return a variable's unit by its definition, or None where there is none."""
+        """Return the definition of a variable's unit; None where it has no unit or the unit has no definition.
+
+        Parameters
+        ----------
+        variable
+            A variable of this FMU.
+        """
         return next((unit for unit in self.defined_units if unit.name == self.unit(variable)), None)
 
     def bound(self, variable: ModelVariable, which: str) -> float | None:
-        """Return a variable's ``min`` or ``max``, its type's where it has none of its own."""
+        """Return a bound of a variable, or of its declared type.
+
+        Parameters
+        ----------
+        variable
+            The variable.
+        which
+            ``"min"`` or ``"max"``.
+
+        Returns
+        -------
+        float or None
+            In the variable's unit; None where neither has the bound.
+
+        Raises
+        ------
+        ValueError
+            If the bound is not a number.
+        """
         text = getattr(variable, which) or (getattr(variable.declaredType, which) if variable.declaredType else None)
         return None if text is None else float(text)
 
     @cached_property
     def bounds(self) -> dict[str, tuple[float | None, float | None]]:
-        """``min`` and ``max`` of all variables by name."""
+        """Name of each variable to its ``min`` and ``max``."""
         return {name: (self.bound(v, "min"), self.bound(v, "max")) for name, v in self.variables.items()}
 
     # ---- elements ----------------------------------------------------------------------------------------------------
@@ -438,7 +472,7 @@ def _opened(path: Path, member: str | None) -> str | BinaryIO:
 
 
 def _check_variable(model: ModelDescription, variable: ModelVariable) -> None:
-    """Convert what a variable's attributes say; raises whatever that raises."""
+    """Convert a variable's attributes; raises an exception if one is invalid."""
     kind = KINDS[variable.type]
     if kind in NUMERIC:
         low, high = (model.bound(variable, which) for which in ("min", "max"))

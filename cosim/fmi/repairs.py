@@ -11,6 +11,7 @@ from lxml import etree
 from cosim.fmi.xml import parse
 
 DESCRIPTION = "modelDescription.xml"
+"""Name of the model description in an FMU."""
 
 SAMPLED = "io.github.seat-cosim.sampled"
 """Vendor annotation of an FMU whose discrete outputs are values at the begin of a step: tool name in FMI 2, annotation
@@ -23,15 +24,15 @@ _BEFORE_THE_ANNOTATION = "seat-cosim 0.1."
 def repaired(fmu: str | BinaryIO, where: str) -> tuple[str | BinaryIO, bool]:
     """Read an FMU's description and repair it.
 
-    FMI 2 parameters without a variability become fixed: by the standard they would be continuous, which a parameter
-    must not be. pythonfmu writes such parameters.
+    FMI 2.0 parameters without a variability become fixed. By the standard's default they are continuous, which is not
+    allowed for parameters. pythonfmu writes such parameters.
 
     Parameters
     ----------
     fmu
-        File name, or open file.
+        The FMU, as a file name or an open file.
     where
-        Name of the file, for messages.
+        Name of the model description in messages.
 
     Returns
     -------
@@ -43,7 +44,7 @@ def repaired(fmu: str | BinaryIO, where: str) -> tuple[str | BinaryIO, bool]:
     Raises
     ------
     SetupError
-        If the description is no XML, or of a kind that is refused, see :mod:`cosim.fmi.xml`.
+        If the description is not well-formed XML or declares a document type, see :func:`cosim.fmi.xml.parse`.
     """
     with zipfile.ZipFile(fmu) as archive:
         tree = parse(archive.read(DESCRIPTION), where)

@@ -11,6 +11,7 @@ import numpy as np
 from fmpy.model_description import ModelVariable
 
 from cosim.errors import SetupError
+from cosim.fmi.variable_types import KINDS
 
 Scalar = float | bool | str
 """A value as a user gives it: enumerations by item name or number."""
@@ -20,16 +21,6 @@ Value = Scalar | Sequence[Any]
 
 Checked = float | str | tuple[float, ...]
 """A value as an FMU takes it: Booleans as 0.0 or 1.0, enumerations as their number, arrays flattened by rows."""
-
-KINDS = {
-    **dict.fromkeys(("Real", "Float32", "Float64"), "Real"),
-    **dict.fromkeys(("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))), "Integer"),
-    **{kind: kind for kind in ("Enumeration", "Boolean", "String", "Binary", "Clock")},
-}
-"""Type of a variable, in FMI 2 or 3, to the kind of its values."""
-
-NUMERIC = ("Real", "Integer", "Enumeration", "Boolean")
-"""Kinds of values that fit into a table of numbers."""
 
 EXACT = 2**53
 """Whole numbers up to this magnitude are exact as float64."""

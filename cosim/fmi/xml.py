@@ -1,4 +1,4 @@
-"""XML that may come from anywhere."""
+"""Parse XML from untrusted files."""
 
 from __future__ import annotations
 
@@ -9,17 +9,33 @@ from lxml import etree
 from cosim.errors import SetupError
 
 
+def safe_parser(**options: bool) -> etree.XMLParser:
+    """Create a parser without network access, external document types, expanded entities and huge trees.
+
+    Parameters
+    ----------
+    **options
+        Further options of :class:`lxml.etree.XMLParser`.
+
+    Returns
+    -------
+    lxml.etree.XMLParser
+        A new parser.
+    """
+    return etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, **options)
+
+
 def parse(data: bytes, where: str, **options: bool) -> Any:
-    """Parse XML: no network, no document type, no entities, no huge trees.
+    """Parse an XML document and reject document types.
 
     Parameters
     ----------
     data
         The document.
     where
-        What to call it in messages.
-    options
-        Further ones of lxml's parser.
+        Name of the document in messages.
+    **options
+        Further options of :class:`lxml.etree.XMLParser`.
 
     Returns
     -------
@@ -29,11 +45,10 @@ def parse(data: bytes, where: str, **options: bool) -> Any:
     Raises
     ------
     SetupError
-        If it is none of that kind.
+        If the data are not well-formed XML, or declare a document type.
     """
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, **options)
     try:
-        root = etree.fromstring(data, parser)
+        root = etree.fromstring(data, safe_parser(**options))
     except (etree.XMLSyntaxError, ValueError, LookupError) as error:
         raise SetupError(f"{where}: expected XML, got: {error}") from None
     if root.getroottree().docinfo.doctype:

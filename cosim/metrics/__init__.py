@@ -1,4 +1,7 @@
-"""What a ride is judged by: pure functions of samples and a sampling rate, that know no FMUs and no signal names."""
+"""Metrics of rides and suspensions: pure functions of samples and a sampling rate.
+
+They know neither FMUs nor names of signals.
+"""
 
 from cosim.metrics.exposure import ACTION, LIMIT, a8, comfort, daily_vdv, hours_to_a8, hours_to_vdv
 from cosim.metrics.spectra import (

@@ -1,23 +1,23 @@
-"""What a vibration means for a working day and for comfort: Directive 2002/44/EC and ISO 2631-1, annex C."""
+"""Daily exposure to whole-body vibration by Directive 2002/44/EC, and comfort by ISO 2631-1, annex C."""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
-from cosim.metrics.samples import positive
+from cosim.metrics.samples import check_positive
 
 DAY = 8.0
-"""h, the reference period of the directive."""
+"""Reference period of the directive, in h."""
 
 
 class ExposureValue(NamedTuple):
-    """A daily exposure to whole-body vibration, normalised to eight hours.
+    """An exposure value of the directive, for a reference period of eight hours.
 
     Attributes
     ----------
     name
-        As the directive calls it.
+        Its name in the directive.
     a8
         A(8) in m/s2.
     vdv
@@ -30,98 +30,126 @@ class ExposureValue(NamedTuple):
 
 
 ACTION = ExposureValue("exposure action value", 0.5, 9.1)
-"""From here on the employer has to reduce vibration; Directive 2002/44/EC, article 3 (2) (b)."""
+"""Above it, the employer must reduce vibration; Directive 2002/44/EC, article 3 (2) (b)."""
 
 LIMIT = ExposureValue("exposure limit value", 1.15, 21.0)
-"""Not to be exceeded; Directive 2002/44/EC, article 3 (2) (a)."""
+"""Must not be exceeded; Directive 2002/44/EC, article 3 (2) (a)."""
 
 
 def a8(a_w: float, hours: float) -> float:
-    """Daily exposure A(8) = a_w sqrt(T / 8 h), in m/s2 (Directive 2002/44/EC, annex, part B).
+    """Calculate the daily exposure A(8) = a_w sqrt(T / 8 h), Directive 2002/44/EC, annex, part B.
 
     Parameters
     ----------
     a_w
-        Weighted RMS acceleration in m/s2, vertical: its factor is 1.
+        Weighted vertical RMS acceleration in m/s2; its factor is 1.
     hours
-        T, daily, in h.
+        Daily duration T of the exposure in h.
+
+    Returns
+    -------
+    float
+        A(8) in m/s2.
 
     Raises
     ------
     SignalError
-        If one is negative or not finite.
+        If an argument is negative or not finite.
+
+    Examples
+    --------
+    >>> a8(0.5, hours=2.0)
+    0.25
     """
-    return positive("a_w", a_w, "m/s2", zero=True) * math.sqrt(positive("hours", hours, "h", zero=True) / DAY)
+    return check_positive("a_w", a_w, "m/s2", zero=True) * math.sqrt(
+        check_positive("hours", hours, "h", zero=True) / DAY
+    )
 
 
 def daily_vdv(vdv: float, duration: float, hours: float = DAY) -> float:
-    """Daily vibration dose value of a sample that goes on alike: VDV (T / T_sample)^(1/4), in m/s^1.75.
+    """Extrapolate the vibration dose value of a measurement to a day: VDV (T / T_measurement)^(1/4).
 
     Parameters
     ----------
     vdv
-        Of the sample, in m/s^1.75.
+        Vibration dose value of the measurement in m/s^1.75.
     duration
-        T_sample in s.
+        Duration T_measurement in s.
     hours
-        T, daily, in h.
+        Daily duration T of the exposure in h.
+
+    Returns
+    -------
+    float
+        Daily vibration dose value in m/s^1.75.
 
     Raises
     ------
     SignalError
-        If one is negative or not finite, or the duration 0.
+        If an argument is negative or not finite, or the duration is 0.
     """
-    day = 3600.0 * positive("hours", hours, "h", zero=True)
-    growth = math.sqrt(math.sqrt(day / positive("duration", duration, "s")))
-    return positive("vdv", vdv, "m/s^1.75", zero=True) * growth
+    day = 3600.0 * check_positive("hours", hours, "h", zero=True)
+    growth = math.sqrt(math.sqrt(day / check_positive("duration", duration, "s")))
+    return check_positive("vdv", vdv, "m/s^1.75", zero=True) * growth
 
 
 def hours_to_a8(a_w: float, value: ExposureValue) -> float:
-    """Hours after which A(8) reaches a value: 8 h (A / a_w)^2; more than 24: not in a day; infinite for a_w = 0.
+    """Calculate the daily duration after which A(8) reaches an exposure value: 8 h (A / a_w)^2.
 
     Parameters
     ----------
     a_w
-        Weighted RMS acceleration in m/s2.
+        Weighted vertical RMS acceleration in m/s2.
     value
         :data:`ACTION` or :data:`LIMIT`.
+
+    Returns
+    -------
+    float
+        In h. Above 24, the value is not reached in a day; infinite for a_w = 0.
 
     Raises
     ------
     SignalError
         If a_w is negative or not finite.
     """
-    if positive("a_w", a_w, "m/s2", zero=True) == 0.0:
+    if check_positive("a_w", a_w, "m/s2", zero=True) == 0.0:
         return math.inf
     ratio = value.a8 / a_w
     return DAY * ratio * ratio  # a power would raise where this is infinite
 
 
 def hours_to_vdv(vdv: float, duration: float, value: ExposureValue) -> float:
-    """Hours after which the dose reaches a value, if a sample goes on alike: T_sample (VDV_value / VDV)^4.
+    """Calculate the daily duration after which the dose reaches an exposure value: T_measurement (VDV_value / VDV)^4.
 
     Parameters
     ----------
     vdv
-        Of the sample, in m/s^1.75.
+        Vibration dose value of a measurement in m/s^1.75.
     duration
-        T_sample in s.
+        Duration T_measurement in s.
     value
         :data:`ACTION` or :data:`LIMIT`.
+
+    Returns
+    -------
+    float
+        In h. Above 24, the value is not reached in a day; infinite for vdv = 0.
 
     Raises
     ------
     SignalError
-        If one is negative or not finite, or the duration 0.
+        If an argument is negative or not finite, or the duration is 0.
     """
-    hours = positive("duration", duration, "s") / 3600.0
-    if positive("vdv", vdv, "m/s^1.75", zero=True) == 0.0:
+    hours = check_positive("duration", duration, "s") / 3600.0
+    if check_positive("vdv", vdv, "m/s^1.75", zero=True) == 0.0:
         return math.inf
     ratio = value.vdv / vdv
     return hours * ratio * ratio * ratio * ratio
 
 
 _REACTIONS = (
+    # from, below, in m/s2
     (0.0, 0.315, "not uncomfortable"),
     (0.315, 0.63, "a little uncomfortable"),
     (0.5, 1.0, "fairly uncomfortable"),
@@ -132,23 +160,28 @@ _REACTIONS = (
 
 
 def comfort(a_w: float) -> tuple[str, ...]:
-    """Name the likely reactions of passengers (ISO 2631-1, annex C.2.3): one band or, where they overlap, two.
+    """Return the likely reactions of passengers in public transport (ISO 2631-1, annex C.2.3).
 
     Parameters
     ----------
     a_w
-        Weighted RMS acceleration in m/s2. The standard means the total over all directions; of a ride that is
-        vertical alone it is the same.
+        Weighted RMS acceleration in m/s2. The standard uses the vibration total value of all directions, which equals
+        the vertical one where there is no other vibration.
+
+    Returns
+    -------
+    tuple of str
+        One reaction, or two where the standard's ranges overlap.
 
     Raises
     ------
     SignalError
-        If it is negative or not finite.
+        If a_w is negative or not finite.
 
     Examples
     --------
     >>> comfort(0.58)
     ('a little uncomfortable', 'fairly uncomfortable')
     """
-    positive("a_w", a_w, "m/s2", zero=True)
+    check_positive("a_w", a_w, "m/s2", zero=True)
     return tuple(words for low, high, words in _REACTIONS if low <= a_w < high)

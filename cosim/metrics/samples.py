@@ -1,6 +1,6 @@
-"""Sampled signals as the metrics take them: checked once, with one error that names the signal.
+"""Checks of sampled signals and numbers; errors name the signal.
 
-A sample stands for the time until the next one: N samples at a rate of r Hz last N / r seconds.
+A sample holds until the next one: N samples at a rate of r Hz last N / r seconds.
 """
 
 from __future__ import annotations
@@ -13,24 +13,30 @@ import numpy.typing as npt
 from cosim.errors import SignalError
 
 Samples = npt.NDArray[np.float64]
+"""Samples of a signal, shape (samples,)."""
 
 
-def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float:
-    """Check a number.
+def check_positive(name: str, value: float, unit: str, *, zero: bool = False) -> float:
+    """Check that a number is finite and positive.
 
     Parameters
     ----------
     name, unit
-        For the error.
+        Name and unit of the number in messages.
     value
         The number.
     zero
-        Whether 0 will do.
+        Whether 0 is allowed.
+
+    Returns
+    -------
+    float
+        The number.
 
     Raises
     ------
     SignalError
-        If it is negative, not finite, or 0 where that will not do.
+        If the number is negative, not finite, or 0 where that is not allowed.
     """
     number = float(value)
     if math.isfinite(number) and (number > 0.0 or (zero and number == 0.0)):
@@ -39,20 +45,25 @@ def positive(name: str, value: float, unit: str, *, zero: bool = False) -> float
     raise SignalError(f"{name}: expected a finite number {bound} 0 {unit}, got {value:g} {unit}")
 
 
-def samples(name: str, values: npt.ArrayLike) -> Samples:
-    """Check one signal.
+def check_samples(name: str, values: npt.ArrayLike) -> Samples:
+    """Check a signal and convert it to an array of floats.
 
     Parameters
     ----------
     name
-        For the error.
+        Name of the signal in messages.
     values
-        Shape (samples,).
+        The samples, shape (samples,).
+
+    Returns
+    -------
+    ndarray
+        The samples, shape (samples,); not a copy where the values are such an array already.
 
     Raises
     ------
     SignalError
-        If these are not finite real numbers in one dimension, or none at all.
+        If the values are not finite real numbers in one dimension, or there are none.
     """
     array = np.asarray(values)
     if array.ndim != 1 or array.size == 0:
@@ -66,48 +77,64 @@ def samples(name: str, values: npt.ArrayLike) -> Samples:
     return array
 
 
-def together(**signals: npt.ArrayLike) -> list[Samples]:
-    """Check signals that belong together, by name.
+def check_equal_length(**signals: npt.ArrayLike) -> dict[str, Samples]:
+    """Check several signals of one length.
+
+    Parameters
+    ----------
+    **signals
+        Name of each signal in messages, to its samples of shape (samples,).
+
+    Returns
+    -------
+    dict of ndarray
+        Name of each signal to its samples, shape (samples,).
 
     Raises
     ------
     SignalError
-        As :func:`samples`, and if their lengths differ.
+        If a signal is invalid, see :func:`check_samples`, or the lengths differ.
     """
-    arrays = {name: samples(name, values) for name, values in signals.items()}
+    arrays = {name: check_samples(name, values) for name, values in signals.items()}
     if len({array.size for array in arrays.values()}) > 1:
         found = ", ".join(f"{name} {array.size}" for name, array in arrays.items())
         raise SignalError(f"expected signals of one length, got {found} samples")
-    return list(arrays.values())
+    return arrays
 
 
-def settled(signal: npt.ArrayLike, rate: float, settle: float, *, name: str = "signal", at_least: int = 1) -> Samples:
-    """Leave out a leading transient.
+def trim(signal: npt.ArrayLike, rate: float, warm_up: float, *, name: str = "signal", at_least: int = 1) -> Samples:
+    """Remove the warm-up from the beginning of a signal.
 
     Parameters
     ----------
     signal
-        Shape (samples,).
+        The samples, shape (samples,).
     rate
         Sampling rate in Hz.
-    settle
-        What to leave out, in s; rounded to whole samples.
+    warm_up
+        Duration to remove in s; rounded to whole samples.
     name
-        For the error.
+        Name of the signal in messages.
     at_least
-        How many samples have to be left.
+        How many samples must remain.
+
+    Returns
+    -------
+    ndarray
+        The remaining samples, shape (samples - warm_up * rate,).
 
     Raises
     ------
     SignalError
-        As :func:`samples`, for a rate or time that is none, and if too little is left.
+        If the signal is invalid, see :func:`check_samples`, the rate is not positive, the warm-up is negative, or too
+        few samples remain.
     """
-    checked = samples(name, signal)
-    start = round(positive("settle", settle, "s", zero=True) * positive("rate", rate, "Hz"))
-    left = checked[start:]
-    if left.size < at_least:
+    checked = check_samples(name, signal)
+    start = round(check_positive("warm_up", warm_up, "s", zero=True) * check_positive("rate", rate, "Hz"))
+    remaining = checked[start:]
+    if remaining.size < at_least:
         raise SignalError(
-            f"{name}: expected at least {at_least / rate:g} s of samples at {rate:g} Hz after {settle:g} s to settle, "
-            f"got {left.size / rate:g} s"
+            f"{name}: expected at least {at_least / rate:g} s of samples at {rate:g} Hz after {warm_up:g} s of "
+            f"warm-up, got {remaining.size / rate:g} s"
         )
-    return left
+    return remaining

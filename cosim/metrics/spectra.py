@@ -1,4 +1,4 @@
-"""Spectral densities and transmissibilities of sampled signals."""
+"""Power spectral densities and transmissibilities of sampled signals."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy.typing as npt
 from scipy import signal as dsp
 
 from cosim.errors import SignalError
-from cosim.metrics.samples import Samples, positive, settled, together
+from cosim.metrics.samples import Samples, check_equal_length, check_positive, trim
 
 _WINDOW = "hann"
 
@@ -22,11 +22,11 @@ class Spectrum:
     Attributes
     ----------
     frequency
-        In Hz, from 0, evenly spaced.
+        Frequencies of the lines in Hz, from 0, evenly spaced; shape (lines,).
     density
-        In the signal's unit squared per Hz.
+        Density in the signal's unit squared per Hz, shape (lines,).
     averages
-        How many independent segments the overlapping ones are worth.
+        Number of independent segments with the same variance as the overlapping ones.
     """
 
     frequency: Samples
@@ -35,21 +35,26 @@ class Spectrum:
 
     @property
     def resolution(self) -> float:
-        """Distance of the lines in Hz; the Hann window sees 1.5 times as wide."""
+        """Distance of the lines in Hz; the noise bandwidth of the Hann window is 1.5 times as wide."""
         return float(self.frequency[1])
 
     @property
     def error(self) -> float:
-        """Standard error of each line over its value, 1 / sqrt(averages), for a Gaussian signal."""
+        """Relative standard error of each line, 1 / sqrt(averages), for a Gaussian signal."""
         return 1.0 / math.sqrt(self.averages)
 
     def rms(self, low: float = 0.0, high: float = math.inf) -> float:
-        """Integrate over a band: its RMS, in the signal's unit.
+        """Calculate the RMS in a frequency band, the root of the integral of the density.
 
         Parameters
         ----------
         low, high
-            In Hz. A line stands for half a resolution either side of it and counts by the share inside.
+            Limits of the band in Hz. A line covers half the resolution on either side and counts by its share inside.
+
+        Returns
+        -------
+        float
+            In the signal's unit.
 
         Raises
         ------
@@ -64,30 +69,35 @@ class Spectrum:
         return math.sqrt(float(share @ self.density) * self.resolution)
 
 
-def psd(signal: npt.ArrayLike, rate: float, resolution: float = 0.25, settle: float = 0.0) -> Spectrum:
+def psd(signal: npt.ArrayLike, rate: float, resolution: float = 0.25, warm_up: float = 0.0) -> Spectrum:
     """Estimate the one-sided power spectral density by Welch's method.
 
-    Hann window, half overlapping segments, each without its mean: the lines times the resolution add up to the
-    signal's variance, without what changes more slowly than the resolution.
+    With a Hann window, segments that overlap by half, and the mean of each segment removed. The sum of the lines times
+    the resolution is the signal's variance, without components slower than the resolution.
 
     Parameters
     ----------
     signal
-        Shape (samples,).
+        The samples, shape (samples,).
     rate
         Sampling rate in Hz.
     resolution
-        Distance of the lines in Hz; rounded so that a segment has whole samples.
-    settle
-        What to leave out at the beginning, in s.
+        Distance of the lines in Hz; rounded so that a segment has a whole number of samples.
+    warm_up
+        Duration to remove at the beginning, in s.
+
+    Returns
+    -------
+    Spectrum
+        The density.
 
     Raises
     ------
     SignalError
-        If less than one segment, 1 / resolution, is left; for wrong samples.
+        If less than one segment of 1 / resolution remains, or the samples are invalid.
     """
     length = _segment(rate, resolution)
-    x = settled(signal, rate, settle, at_least=length)
+    x = trim(signal, rate, warm_up, at_least=length)
     frequency, density = dsp.welch(x, rate, _WINDOW, length)
     return Spectrum(frequency, density, _averages(x.size, length))
 
@@ -99,14 +109,14 @@ class Transmissibility:
     Attributes
     ----------
     frequency
-        In Hz, without 0.
+        Frequencies of the lines in Hz, without 0; shape (lines,).
     ratio
-        Complex, response over excitation; NaN where there was no excitation at all.
+        Complex ratio of response to excitation, shape (lines,); NaN without excitation.
     coherence
-        0 to 1: which part of the response's power the excitation explains; low for noise, for nonlinearity, and
-        where there was no excitation.
+        Share of the response's power that is linearly related to the excitation, 0 to 1, shape (lines,); low for noise,
+        for nonlinearity, and without excitation.
     averages
-        How many independent segments the overlapping ones are worth.
+        Number of independent segments with the same variance as the overlapping ones.
     """
 
     frequency: Samples
@@ -116,51 +126,55 @@ class Transmissibility:
 
     @property
     def gain(self) -> Samples:
-        """Its magnitude."""
+        """Magnitude of the ratio, shape (lines,)."""
         return np.abs(self.ratio)
 
     @property
     def error(self) -> Samples:
-        """Standard error of the gain over the gain, and of the phase in rad.
+        """Relative standard error of the gain, and standard error of the phase in rad; shape (lines,).
 
-        sqrt((1 - coherence) / (2 coherence averages)), Bendat and Piersol: 95 % of estimates lie within twice that.
-        It holds where it is small; infinite where nothing is coherent.
+        sqrt((1 - coherence) / (2 coherence averages)), after Bendat and Piersol. 95 % of the estimates are within twice
+        that. It is valid where it is small, and infinite where the coherence is 0.
         """
         with np.errstate(divide="ignore"):
             return np.asarray(np.sqrt((1.0 - self.coherence) / (2.0 * self.coherence * self.averages)))
 
 
 def transmissibility(
-    excitation: npt.ArrayLike, response: npt.ArrayLike, rate: float, resolution: float = 0.25, settle: float = 0.0
+    excitation: npt.ArrayLike, response: npt.ArrayLike, rate: float, resolution: float = 0.25, warm_up: float = 0.0
 ) -> Transmissibility:
     """Estimate a transmissibility from broad-band signals.
 
-    H1 = G_xy / G_xx with x the excitation, y the response: noise of the response averages out; noise of a *measured*
-    excitation would make it too small. coherence = abs(G_xy)^2 / (G_xx G_yy). Spectra as in :func:`psd`.
+    The estimator is H1 = G_xy / G_xx of excitation x and response y. Noise of the response averages out; noise of a
+    *measured* excitation reduces the estimate. The coherence is abs(G_xy)^2 / (G_xx G_yy). The spectra are estimated as
+    in :func:`psd`.
 
     Parameters
     ----------
     excitation, response
-        In the same unit, each of shape (samples,).
+        The signals, in the same unit, each of shape (samples,).
     rate
         Sampling rate in Hz.
     resolution
-        Distance of the lines in Hz. A resonance needs several lines over its width.
-    settle
-        What to leave out at the beginning, in s.
+        Distance of the lines in Hz. A resonance must be several lines wide.
+    warm_up
+        Duration to remove at the beginning, in s.
+
+    Returns
+    -------
+    Transmissibility
+        Without the line at 0 Hz.
 
     Raises
     ------
     SignalError
-        If less than two segments, 2 / resolution, are left: the coherence of one segment is 1 whatever the signals;
-        if the excitation is constant; if lengths differ; for wrong samples.
+        If less than two segments of 1 / resolution remain (the coherence of one segment is always 1), the excitation is
+        constant, the lengths differ, or the samples are invalid.
     """
     length = _segment(rate, resolution)
     x, y = (
-        settled(values, rate, settle, name=name, at_least=2 * length)
-        for name, values in zip(
-            ("excitation", "response"), together(excitation=excitation, response=response), strict=True
-        )
+        trim(values, rate, warm_up, name=name, at_least=2 * length)
+        for name, values in check_equal_length(excitation=excitation, response=response).items()
     )
     if np.ptp(x) == 0.0:
         raise SignalError(f"excitation: expected a signal that changes, got {x[0]:g} throughout")
@@ -170,25 +184,25 @@ def transmissibility(
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = xy / xx
         coherence = np.abs(xy) ** 2 / (xx * yy)
-    # rounding may lift it a few bits above 1; nothing explains nothing
+    # rounding may give a few bits above 1; NaN where there is no power
     coherence = np.clip(np.nan_to_num(coherence, nan=0.0), 0.0, 1.0)
     return Transmissibility(frequency[1:], ratio[1:], coherence[1:], _averages(x.size, length))
 
 
 @dataclass(frozen=True)
 class Sine:
-    """A signal seen as a sine.
+    """A sine that was fitted to a signal.
 
     Attributes
     ----------
     frequency
-        In Hz.
+        Frequency f in Hz.
     amplitude
-        Complex: the sine is the real part of amplitude * exp(2 pi i f t), t = 0 at the signal's first sample.
+        Complex amplitude: the sine is the real part of amplitude * exp(2 pi i f t), with t = 0 at the first sample.
     offset
-        The mean beside it.
+        Constant part of the signal.
     residual
-        RMS of what is neither.
+        RMS of the difference between the signal and sine plus offset.
     """
 
     frequency: float
@@ -198,39 +212,44 @@ class Sine:
 
     @property
     def rms(self) -> float:
-        """RMS of sine and residual, without the offset."""
+        """RMS of the signal without the offset."""
         return math.hypot(abs(self.amplitude) / math.sqrt(2.0), self.residual)
 
     @property
     def distortion(self) -> float:
-        """Residual over the sine's RMS; infinite if there is no sine."""
+        """Ratio of the residual to the RMS of the sine; infinite for an amplitude of 0."""
         return self.residual / (abs(self.amplitude) / math.sqrt(2.0)) if self.amplitude else math.inf
 
 
-def fit_sine(signal: npt.ArrayLike, rate: float, frequency: float, settle: float = 0.0) -> Sine:
-    """Fit sine and offset by least squares over the last whole periods.
+def fit_sine(signal: npt.ArrayLike, rate: float, frequency: float, warm_up: float = 0.0) -> Sine:
+    """Fit a sine and an offset by least squares to the last whole periods of a signal.
 
     Parameters
     ----------
     signal
-        Shape (samples,).
+        The samples, shape (samples,).
     rate
         Sampling rate in Hz; need not be a multiple of the frequency.
     frequency
-        In Hz.
-    settle
-        What to leave out at the beginning, in s; what of it is left raises the distortion.
+        Frequency of the sine in Hz.
+    warm_up
+        Duration to remove at the beginning, in s. A transient that lasts longer increases the distortion.
+
+    Returns
+    -------
+    Sine
+        Its phase refers to the first sample of the whole signal.
 
     Raises
     ------
     SignalError
-        If less than one period is left; if the frequency is not below half the rate; for wrong samples.
+        If less than one period remains, the frequency is not below half the rate, or the samples are invalid.
     """
-    if not positive("frequency", frequency, "Hz") < positive("rate", rate, "Hz") / 2.0:
+    if not check_positive("frequency", frequency, "Hz") < check_positive("rate", rate, "Hz") / 2.0:
         raise SignalError(f"frequency: expected below half the sampling rate, {rate / 2:g} Hz, got {frequency:g} Hz")
     period = rate / frequency
-    left = settled(signal, rate, settle, at_least=max(4, math.ceil(period)))
-    x = left[-round(math.floor(left.size / period) * period) :]
+    remaining = trim(signal, rate, warm_up, at_least=max(4, math.ceil(period)))
+    x = remaining[-round(math.floor(remaining.size / period) * period) :]
     total = np.asarray(signal).size
     angle = 2.0 * np.pi * frequency / rate * np.arange(total - x.size, total)
     basis = np.column_stack((np.cos(angle), np.sin(angle), np.ones_like(angle)))
@@ -241,13 +260,13 @@ def fit_sine(signal: npt.ArrayLike, rate: float, frequency: float, settle: float
 
 @dataclass(frozen=True)
 class SineTransmissibility:
-    """A transmissibility at one frequency and amplitude, from steady state.
+    """A transmissibility in steady state at one frequency and amplitude.
 
     Attributes
     ----------
     excitation, response
-        The sines fitted. The response's distortion says how much of it is no sine: a transient that has not settled,
-        or a nonlinear seat (friction, saturation), whose transmissibility then depends on the amplitude.
+        The fitted sines. A distortion of the response indicates a transient, or a nonlinear seat (friction, saturation)
+        whose transmissibility depends on the amplitude.
     """
 
     excitation: Sine
@@ -255,46 +274,54 @@ class SineTransmissibility:
 
     @property
     def ratio(self) -> complex:
-        """Complex, response over excitation."""
+        """Complex ratio of response to excitation."""
         return self.response.amplitude / self.excitation.amplitude
 
     @property
     def gain(self) -> float:
-        """Its magnitude: what the excitation's frequency alone does."""
+        """Magnitude of the ratio, without harmonics."""
         return abs(self.ratio)
 
     @property
     def rms_ratio(self) -> float:
-        """RMS of the response over that of the excitation, harmonics and all.
+        """Ratio of the RMS of the response to that of the excitation, with harmonics.
 
-        At the resonance of a seat that carries an inert mass this is T of the damping test of ISO 10326-1.
+        At the resonance of a seat with an inert mass, this is T of the damping test of ISO 10326-1.
         """
         return self.response.rms / self.excitation.rms
 
 
 def sine_transmissibility(
-    excitation: npt.ArrayLike, response: npt.ArrayLike, rate: float, frequency: float, settle: float = 0.0
+    excitation: npt.ArrayLike, response: npt.ArrayLike, rate: float, frequency: float, warm_up: float = 0.0
 ) -> SineTransmissibility:
-    """Find the transmissibility of a sine in steady state.
+    """Determine the transmissibility of a sine in steady state.
 
     Parameters
     ----------
     excitation, response
-        In the same unit, each of shape (samples,).
+        The signals, in the same unit, each of shape (samples,).
     rate
         Sampling rate in Hz.
     frequency
-        In Hz.
-    settle
-        What to leave out at the beginning, in s.
+        Frequency of the sine in Hz.
+    warm_up
+        Duration to remove at the beginning, in s.
+
+    Returns
+    -------
+    SineTransmissibility
+        The fitted sines of both signals.
 
     Raises
     ------
     SignalError
-        As :func:`fit_sine`; if lengths differ; if there is no such sine in the excitation.
+        If a sine cannot be fitted, see :func:`fit_sine`, the lengths differ, or the excitation has no such sine.
     """
-    x, y = (fit_sine(values, rate, frequency, settle) for values in together(excitation=excitation, response=response))
-    # 1e-12 of the largest sample: what rounding alone may leave of none
+    x, y = (
+        fit_sine(values, rate, frequency, warm_up)
+        for values in check_equal_length(excitation=excitation, response=response).values()
+    )
+    # rounding may give an amplitude of 1e-12 of the largest sample where there is no such sine
     if abs(x.amplitude) <= 1e-12 * float(np.max(np.abs(excitation))):
         raise SignalError(f"excitation: expected a sine of {frequency:g} Hz, got none")
     return SineTransmissibility(x, y)
@@ -302,14 +329,14 @@ def sine_transmissibility(
 
 def _segment(rate: float, resolution: float) -> int:
     """Return a segment's length in samples."""
-    length = round(positive("rate", rate, "Hz") / positive("resolution", resolution, "Hz"))
+    length = round(check_positive("rate", rate, "Hz") / check_positive("resolution", resolution, "Hz"))
     if length < 4:
         raise SignalError(f"resolution: expected at most a quarter of the rate, {rate / 4:g} Hz, got {resolution:g}")
     return length
 
 
 def _averages(total: int, length: int) -> float:
-    """Count the independent segments that overlapping ones are worth, after Welch (1967)."""
+    """Return the number of independent segments with the same variance as overlapping ones, after Welch (1967)."""
     step = length - length // 2
     count = (total - length) // step + 1
     window = dsp.get_window(_WINDOW, length)

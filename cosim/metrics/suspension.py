@@ -1,4 +1,4 @@
-"""What a suspension and its actuator spend on a ride: stroke, contacts with the end stops, force, power, energy."""
+"""Metrics of a suspension and its actuator: stroke, contacts with the end stops, force, power, energy."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cosim.metrics.samples import positive, settled, together
+from cosim.metrics.samples import check_equal_length, check_positive, trim
 from cosim.metrics.whole_body import peak, rms
 
 
 @dataclass(frozen=True)
 class Deflection:
-    """Which room a suspension took, in m.
+    """Range of a suspension's deflection.
 
     Attributes
     ----------
     lowest, highest
-        Ends of its range, from static equilibrium.
+        Smallest and largest deflection in m, from static equilibrium, up positive.
     rms
-        About static equilibrium, not about its mean.
+        RMS in m, about static equilibrium, not about the mean.
     """
 
     lowest: float
@@ -29,48 +29,53 @@ class Deflection:
 
     @property
     def peak(self) -> float:
-        """Largest magnitude."""
+        """Largest magnitude in m."""
         return max(-self.lowest, self.highest)
 
     @property
     def peak_to_peak(self) -> float:
-        """Stroke used."""
+        """Stroke, the whole range, in m."""
         return self.highest - self.lowest
 
 
-def deflection_range(deflection: npt.ArrayLike, rate: float, settle: float = 0.0) -> Deflection:
-    """Measure the range of a deflection.
+def deflection_range(deflection: npt.ArrayLike, rate: float, warm_up: float = 0.0) -> Deflection:
+    """Determine the range of a suspension's deflection.
 
     Parameters
     ----------
     deflection
-        In m, from static equilibrium, shape (samples,).
+        Deflection in m, from static equilibrium, up positive, shape (samples,).
     rate
         Sampling rate in Hz.
-    settle
-        What to leave out at the beginning, in s.
+    warm_up
+        Duration to remove at the beginning, in s.
+
+    Returns
+    -------
+    Deflection
+        The range.
 
     Raises
     ------
     SignalError
-        If nothing is left; for wrong samples.
+        If no samples remain, or they are invalid.
     """
-    x = settled(deflection, rate, settle, name="deflection")
+    x = trim(deflection, rate, warm_up, name="deflection")
     return Deflection(float(x.min()), float(x.max()), rms(x))
 
 
 @dataclass(frozen=True)
 class EndStops:
-    """What the end stops had to do.
+    """Contacts of a suspension with its end stops.
 
     Attributes
     ----------
     upper, lower
-        Separate contacts with each.
+        Number of contacts with the upper and the lower end stop.
     time
-        In contact, in s.
+        Duration of all contacts in s.
     deepest
-        How far beyond the travel, in m; 0 without contact.
+        Largest compression of an end stop in m; 0 without contact.
     """
 
     upper: int
@@ -80,34 +85,39 @@ class EndStops:
 
     @property
     def hits(self) -> int:
-        """Contacts with either."""
+        """Number of contacts with either end stop."""
         return self.upper + self.lower
 
 
-def end_stops(deflection: npt.ArrayLike, rate: float, travel: float, settle: float = 0.0) -> EndStops:
+def end_stops(deflection: npt.ArrayLike, rate: float, travel: float, warm_up: float = 0.0) -> EndStops:
     """Count contacts with the end stops.
 
-    A contact lasts while the magnitude of the deflection is at or beyond the travel; one that is under way at the
-    beginning counts. Give the true deflection: noise about the travel would count as many contacts.
+    A contact lasts while the magnitude of the deflection is at least the travel. A contact at the first sample counts.
+    The deflection must be without measurement noise, which would split a contact into many.
 
     Parameters
     ----------
     deflection
-        In m, from static equilibrium, shape (samples,).
+        Deflection in m, from static equilibrium, up positive, shape (samples,).
     rate
         Sampling rate in Hz.
     travel
-        To either stop, in m.
-    settle
-        What to leave out at the beginning, in s.
+        Travel from static equilibrium to either end stop, in m.
+    warm_up
+        Duration to remove at the beginning, in s.
+
+    Returns
+    -------
+    EndStops
+        The contacts.
 
     Raises
     ------
     SignalError
-        If the travel is not above 0; if nothing is left; for wrong samples.
+        If the travel is not above 0, no samples remain, or they are invalid.
     """
-    x = settled(deflection, rate, settle, name="deflection")
-    limit = positive("travel", travel, "m")
+    x = trim(deflection, rate, warm_up, name="deflection")
+    limit = check_positive("travel", travel, "m")
 
     def contacts(touching: npt.NDArray[np.bool_]) -> int:
         return int(touching[0]) + int(np.count_nonzero(touching[1:] & ~touching[:-1]))
@@ -122,23 +132,23 @@ def end_stops(deflection: npt.ArrayLike, rate: float, travel: float, settle: flo
 
 
 @dataclass(frozen=True)
-class Actuator:
-    """What an actuator gave; power is positive where it drives the suspension, negative where it brakes it.
+class ActuatorEffort:
+    """Force, power and energy of an actuator; power is positive where it drives the suspension.
 
     Attributes
     ----------
     force_rms, force_peak
-        In N.
+        RMS and largest magnitude of the force, in N.
     power_mean
-        Net, in W.
+        Mean power in W.
     power_positive
-        Mean of the power while it drives, 0 while it brakes, in W: the supply's, if nothing is fed back.
+        Mean of the positive part of the power in W: the power of a supply without recuperation.
     power_absolute
-        Mean of its magnitude, in W.
+        Mean magnitude of the power in W.
     power_peak
-        Largest magnitude, in W.
+        Largest magnitude of the power in W.
     energy
-        Delivered to the suspension, net, in J.
+        Net energy delivered to the suspension in J.
     """
 
     force_rms: float
@@ -150,39 +160,47 @@ class Actuator:
     energy: float
 
 
-def actuator(force: npt.ArrayLike, deflection: npt.ArrayLike, rate: float, settle: float = 0.0) -> Actuator:
-    """Account for an actuator between floor and seat.
+def actuator(force: npt.ArrayLike, deflection: npt.ArrayLike, rate: float, warm_up: float = 0.0) -> ActuatorEffort:
+    """Calculate force, power and energy of an actuator between floor and seat.
 
-    Its force u acts on the seat and -u on the floor, so it delivers u (z_s' - z_v') = u times the deflection's rate.
-    A force held from sample to sample does exactly u_k (delta_(k+1) - delta_k) of work in between. Force times
-    sampled rate would be half a sample late, which matters where the force is nearly in phase with the deflection,
-    as when it cancels the spring: 1.6 % too much energy on the paper's bump. The power is the suspension's, without
-    losses of motor and gear; with an actuator that lags, it is that of what the actuator was told.
+    The force u acts on the seat and -u on the floor, so the power delivered is u (z_s' - z_v'), the force times the
+    rate of the deflection delta. A force that is held between samples does the work u_k (delta_(k+1) - delta_k) in a
+    step, exactly. Force times sampled rate would be half a sample late, which matters where the force is nearly in
+    phase with the deflection: 1.6 % too much energy on the paper's bump, where the force cancels the spring.
+
+    The power is that delivered to the suspension, without losses of motor and gear. For an actuator with lag, pass its
+    actual force; the force demand would give the power of an ideal actuator.
 
     Parameters
     ----------
     force
-        u in N, on the seat, up positive, held until the next sample; shape (samples,). The last acts no more.
+        Force u on the seat in N, up positive, held until the next sample; shape (samples,). The last sample is not
+        used.
     deflection
-        delta = z_s - z_v in m, shape (samples,).
+        Deflection delta = z_s - z_v in m, shape (samples,).
     rate
         Sampling rate in Hz.
-    settle
-        What to leave out at the beginning, in s.
+    warm_up
+        Duration to remove at the beginning, in s.
+
+    Returns
+    -------
+    ActuatorEffort
+        Force, power and energy.
 
     Raises
     ------
     SignalError
-        If less than two samples are left; if lengths differ; for wrong samples.
+        If less than two samples remain, the lengths differ, or the samples are invalid.
     """
     u, delta = (
-        settled(values, rate, settle, name=name, at_least=2)
-        for name, values in zip(("force", "deflection"), together(force=force, deflection=deflection), strict=True)
+        trim(values, rate, warm_up, name=name, at_least=2)
+        for name, values in check_equal_length(force=force, deflection=deflection).items()
     )
     held = u[:-1]
     work = held * np.diff(delta)
     power = work * rate
-    return Actuator(
+    return ActuatorEffort(
         rms(held),
         peak(held),
         float(power.mean()),

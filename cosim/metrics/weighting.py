@@ -1,4 +1,4 @@
-"""Frequency weighting Wk of ISO 2631-1: how a seated person feels vertical vibration."""
+"""Frequency weighting Wk of ISO 2631-1 for vertical vibration of seated persons."""
 
 from __future__ import annotations
 
@@ -9,15 +9,18 @@ import numpy.typing as npt
 from scipy import fft
 
 from cosim.errors import SignalError
-from cosim.metrics.samples import Samples, positive, samples, settled
+from cosim.metrics.samples import Samples, check_positive, check_samples, trim
 
 # Hz and 1, ISO 2631-1:1997 annex A and ISO 8041-1
 _F1, _F2, _Q1 = 0.4, 100.0, math.sqrt(0.5)  # band limits
 _F3, _F4, _Q4 = 12.5, 12.5, 0.63  # acceleration-velocity transition
 _F5, _Q5, _F6, _Q6 = 2.37, 0.91, 3.35, 0.91  # upward step
 
-_HIGHEST = 80.0  # Hz, to which ISO 2631-1 evaluates
-_FORGOTTEN = 20.0 / (2.0 * math.pi * _F1 * _Q1)  # s: 20 time constants of the slowest pole pair, e^-20 = 2e-9
+_HIGHEST = 80.0
+"""Upper end of the frequency range of ISO 2631-1, in Hz."""
+
+_PADDING = 20.0 / (2.0 * math.pi * _F1 * _Q1)
+"""Duration after which the response has decayed, in s: 20 time constants of the slowest pole pair, e^-20 = 2e-9."""
 
 
 def wk(frequency: npt.ArrayLike) -> npt.NDArray[np.complex128]:
@@ -28,18 +31,18 @@ def wk(frequency: npt.ArrayLike) -> npt.NDArray[np.complex128]:
             \frac{D_5}{D_6} \left(\frac{\omega_5}{\omega_6}\right)^2, \quad
         D_i = 1 + \frac{s}{Q_i \omega_i} + \left(\frac{s}{\omega_i}\right)^2
 
-    Band limits, acceleration-velocity transition and upward step, as of ISO 2631-1:1997, annex A, with the
-    parameters that ISO 8041-1 repeats.
+    The factors are band limits, acceleration-velocity transition and upward step of ISO 2631-1:1997, annex A, with the
+    parameters of ISO 8041-1.
 
     Parameters
     ----------
     frequency
-        In Hz, any shape.
+        Frequencies in Hz, any shape.
 
     Returns
     -------
     ndarray of complex
-        Weighted over unweighted acceleration.
+        Ratio of weighted to unweighted acceleration, in the shape of ``frequency``.
 
     Examples
     --------
@@ -57,40 +60,41 @@ def wk(frequency: npt.ArrayLike) -> npt.NDArray[np.complex128]:
     return np.asarray(band * transition * step)
 
 
-def weighted(acceleration: npt.ArrayLike, rate: float, settle: float = 0.0) -> Samples:
+def weighted(acceleration: npt.ArrayLike, rate: float, warm_up: float = 0.0) -> Samples:
     """Weight a vertical acceleration with Wk.
 
-    The spectrum of the signal, padded with zeros until the filter has forgotten it, is multiplied by :func:`wk`
-    itself: sines of 0.4-80 Hz come out within 1e-6 at 500 Hz (4e-3 at the least rate, 160 Hz). A recursive filter
-    made by the bilinear transform would be 2 % low at 40 Hz and 14 % at 80 Hz. Cutting the response off at half the
-    sampling rate is not quite causal: before a one-sample impulse 0.5 % of the answer's peak shows at 500 Hz.
+    The spectrum of the zero-padded signal is multiplied by :func:`wk` itself. Sines of 0.4-80 Hz are weighted within
+    1e-6 at 500 Hz (4e-3 at the lowest rate, 160 Hz). A recursive filter from the bilinear transform would be 2 % low at
+    40 Hz and 14 % at 80 Hz. As the response is cut off at half the sampling rate, it is not quite causal: at 500 Hz,
+    0.5 % of the peak of the impulse response precedes the impulse.
 
-    The signal counts as zero before its first sample, so a constant offset (gravity) leaves a transient; after 4 s
-    less than 0.1 % of it is left.
+    The signal is zero before its first sample, so a constant offset (gravity) gives a transient. After 4 s less than
+    0.1 % of it remains.
 
     Parameters
     ----------
     acceleration
-        In m/s2, shape (samples,).
+        Acceleration in m/s2, shape (samples,).
     rate
         Sampling rate in Hz.
-    settle
-        What to leave out of the *weighted* signal at its beginning, in s.
+    warm_up
+        Duration to remove at the beginning of the *weighted* signal, in s.
 
     Returns
     -------
     ndarray
-        In m/s2, shape (samples - settle * rate,).
+        Weighted acceleration in m/s2, shape (samples - warm_up * rate,).
 
     Raises
     ------
     SignalError
-        If the rate is below twice 80 Hz, up to which ISO 2631-1 evaluates; for no samples or wrong ones.
+        If the rate is below twice 80 Hz, the upper end of the frequency range of ISO 2631-1; if the samples are
+        invalid; if no samples remain.
     """
-    if positive("rate", rate, "Hz") < 2.0 * _HIGHEST:
+    if check_positive("rate", rate, "Hz") < 2.0 * _HIGHEST:
         raise SignalError(f"rate: expected at least {2 * _HIGHEST:g} Hz, as Wk reaches to 80 Hz, got {rate:g} Hz")
-    signal = samples("acceleration", acceleration)
-    length = fft.next_fast_len(signal.size + math.ceil(_FORGOTTEN * rate), real=True)
+    signal = check_samples("acceleration", acceleration)
+    length = fft.next_fast_len(signal.size + math.ceil(_PADDING * rate), real=True)
     spectrum = fft.rfft(signal, length) * wk(fft.rfftfreq(length, 1.0 / rate))
-    answer = np.asarray(fft.irfft(spectrum, length)[: signal.size], dtype=np.float64)
-    return settled(answer, rate, settle, name="acceleration")
+    response = np.asarray(fft.irfft(spectrum, length)[: signal.size], dtype=np.float64)
+    return trim(response, rate, warm_up, name="acceleration")

@@ -1,7 +1,6 @@
-"""What a ride is worth: RMS, the metrics of ISO 2631-1, SEAT.
+"""Metrics of whole-body vibration: RMS, the metrics of ISO 2631-1, SEAT factors.
 
-Functions take samples and a sampling rate; those whose argument is called ``weighted`` take what
-:func:`cosim.metrics.weighting.weighted` returns.
+An argument ``weighted`` is an acceleration that was weighted by :func:`cosim.metrics.weighting.weighted`.
 """
 
 from __future__ import annotations
@@ -13,40 +12,66 @@ import numpy as np
 import numpy.typing as npt
 
 from cosim.errors import SignalError
-from cosim.metrics.samples import Samples, positive, samples, settled
+from cosim.metrics.samples import Samples, check_positive, check_samples, trim
 from cosim.metrics.weighting import weighted as weight
 
 MTVV_TIME = 1.0
-"""s, over which the running RMS is taken; recommended by ISO 2631-1, 6.3.1."""
+"""Integration time of the running RMS in s; recommended by ISO 2631-1, 6.3.1."""
 
 CREST_LIMIT = 9.0
-"""Up to this crest factor the weighted RMS is normally sufficient; ISO 2631-1, 6.2.2."""
+"""Crest factor up to which the weighted RMS is normally sufficient; ISO 2631-1, 6.2.2."""
 
 
 def rms(signal: npt.ArrayLike) -> float:
-    """Root mean square, sqrt(mean(x^2)), in the signal's unit; of a weighted acceleration a_w (ISO 2631-1, 6.1).
+    """Calculate the root mean square sqrt(mean(x^2)); of a weighted acceleration it is a_w (ISO 2631-1, 6.1).
 
     Parameters
     ----------
     signal
-        Shape (samples,); a leading transient is left out by :func:`cosim.metrics.samples.settled`.
+        The samples, shape (samples,).
+
+    Returns
+    -------
+    float
+        In the signal's unit.
 
     Raises
     ------
     SignalError
-        For no samples or wrong ones.
+        If the samples are invalid.
+
+    Examples
+    --------
+    >>> rms([3.0, -3.0])
+    3.0
     """
-    x = samples("signal", signal)
+    x = check_samples("signal", signal)
     return float(np.sqrt(np.mean(x**2)))
 
 
 def peak(signal: npt.ArrayLike) -> float:
-    """Largest magnitude, in the signal's unit; arguments and errors as :func:`rms`."""
-    return float(np.max(np.abs(samples("signal", signal))))
+    """Calculate the largest magnitude max(abs(x)).
+
+    Parameters
+    ----------
+    signal
+        The samples, shape (samples,).
+
+    Returns
+    -------
+    float
+        In the signal's unit.
+
+    Raises
+    ------
+    SignalError
+        If the samples are invalid.
+    """
+    return float(np.max(np.abs(check_samples("signal", signal))))
 
 
 def vdv(weighted: npt.ArrayLike, rate: float) -> float:
-    """Vibration dose value, (integral of a_w(t)^4 dt)^(1/4), in m/s^1.75 (ISO 2631-1, 6.3.2).
+    """Calculate the vibration dose value (integral of a_w(t)^4 dt)^(1/4), ISO 2631-1, 6.3.2.
 
     Parameters
     ----------
@@ -55,19 +80,25 @@ def vdv(weighted: npt.ArrayLike, rate: float) -> float:
     rate
         Sampling rate in Hz.
 
+    Returns
+    -------
+    float
+        In m/s^1.75.
+
     Raises
     ------
     SignalError
-        For no samples or wrong ones, and a rate that is none.
+        If the samples or the rate are invalid.
     """
-    x = settled(weighted, rate, 0.0, name="weighted")
+    x = trim(weighted, rate, 0.0, name="weighted")
     return float((np.sum(x**4) / rate) ** 0.25)
 
 
 def running_rms(weighted: npt.ArrayLike, rate: float, time: float = MTVV_TIME) -> Samples:
-    """RMS over the last second at each time: sqrt(1/tau times the integral of a_w^2 from t - tau to t).
+    """Calculate the running RMS sqrt(1/tau times the integral of a_w^2 from t - tau to t), ISO 2631-1, 6.3.1.
 
-    A linear window (ISO 2631-1, 6.3.1), not the exponential one the standard also allows; it starts when it is full.
+    The window is linear, not the exponential one that the standard also allows. The first value is that of the first
+    full window.
 
     Parameters
     ----------
@@ -76,7 +107,7 @@ def running_rms(weighted: npt.ArrayLike, rate: float, time: float = MTVV_TIME) -
     rate
         Sampling rate in Hz.
     time
-        tau in s; rounded to whole samples.
+        Integration time tau in s; rounded to whole samples.
 
     Returns
     -------
@@ -86,41 +117,75 @@ def running_rms(weighted: npt.ArrayLike, rate: float, time: float = MTVV_TIME) -
     Raises
     ------
     SignalError
-        If the signal is shorter than tau; for wrong samples.
+        If the signal is shorter than tau, or the samples are invalid.
     """
-    window = max(1, round(positive("time", time, "s") * positive("rate", rate, "Hz")))
-    x = settled(weighted, rate, 0.0, name="weighted", at_least=window)
+    window = max(1, round(check_positive("time", time, "s") * check_positive("rate", rate, "Hz")))
+    x = trim(weighted, rate, 0.0, name="weighted", at_least=window)
     energy = np.concatenate(([0.0], np.cumsum(x**2)))
     return np.asarray(np.sqrt((energy[window:] - energy[:-window]) / window))
 
 
 def mtvv(weighted: npt.ArrayLike, rate: float) -> float:
-    """Maximum transient vibration value in m/s2: the maximum of :func:`running_rms` over 1 s (ISO 2631-1, 6.3.1)."""
+    """Calculate the maximum transient vibration value, the maximum of :func:`running_rms` over 1 s, ISO 2631-1, 6.3.1.
+
+    Parameters
+    ----------
+    weighted
+        Weighted acceleration in m/s2, shape (samples,).
+    rate
+        Sampling rate in Hz.
+
+    Returns
+    -------
+    float
+        In m/s2.
+
+    Raises
+    ------
+    SignalError
+        If the signal is shorter than 1 s, or the samples are invalid.
+    """
     return float(np.max(running_rms(weighted, rate)))
 
 
 def crest_factor(weighted: npt.ArrayLike) -> float:
-    """Peak over RMS of the weighted acceleration (ISO 2631-1, 6.2.1); NaN if it is zero throughout."""
+    """Calculate the crest factor, the ratio of peak to RMS of the weighted acceleration, ISO 2631-1, 6.2.1.
+
+    Parameters
+    ----------
+    weighted
+        Weighted acceleration in m/s2, shape (samples,).
+
+    Returns
+    -------
+    float
+        NaN if all samples are zero.
+
+    Raises
+    ------
+    SignalError
+        If the samples are invalid.
+    """
     mean = rms(weighted)
     return peak(weighted) / mean if mean > 0.0 else math.nan
 
 
 @dataclass(frozen=True)
 class Ride:
-    """A vertical acceleration as ISO 2631-1 sees it.
+    """Metrics of a vertical acceleration by ISO 2631-1.
 
     Attributes
     ----------
     a_w
         Weighted RMS acceleration in m/s2.
     vdv
-        Vibration dose value in m/s^1.75, over ``duration``.
+        Vibration dose value in m/s^1.75 of the whole duration.
     mtvv
         Maximum transient vibration value in m/s2.
     crest_factor
-        Of the weighted acceleration.
+        Crest factor of the weighted acceleration.
     duration
-        In s, without what was left out to settle.
+        Duration in s, without the warm-up.
     """
 
     a_w: float
@@ -131,45 +196,50 @@ class Ride:
 
     @property
     def rms_suffices(self) -> bool:
-        """Whether a_w alone describes it: crest factor up to 9, MTVV up to 1.5 a_w, VDV up to 1.75 a_w T^(1/4).
+        """Whether a_w is sufficient: crest factor up to 9, MTVV up to 1.5 a_w, VDV up to 1.75 a_w T^(1/4).
 
-        ISO 2631-1, 6.2.2 and 6.3.3; beyond them MTVV or VDV are to be reported too.
+        By ISO 2631-1, 6.2.2 and 6.3.3; beyond these limits, MTVV or VDV must be reported, too.
         """
         transients = self.mtvv > 1.5 * self.a_w or self.vdv > 1.75 * self.a_w * self.duration**0.25
         return not (self.crest_factor > CREST_LIMIT or transients)
 
 
-def ride(acceleration: npt.ArrayLike, rate: float, settle: float = 0.0) -> Ride:
-    """Assess a vertical acceleration by ISO 2631-1.
+def ride(acceleration: npt.ArrayLike, rate: float, warm_up: float = 0.0) -> Ride:
+    """Calculate the metrics of ISO 2631-1 of a vertical acceleration.
 
     Parameters
     ----------
     acceleration
-        As it is, *not* weighted, in m/s2, shape (samples,).
+        *Unweighted* acceleration in m/s2, shape (samples,).
     rate
         Sampling rate in Hz, at least 160.
-    settle
-        What to leave out at the beginning, in s.
+    warm_up
+        Duration to remove at the beginning of the weighted acceleration, in s.
+
+    Returns
+    -------
+    Ride
+        The metrics.
 
     Raises
     ------
     SignalError
-        If less than 1 s is left; for a rate too low, wrong samples.
+        If less than 1 s remains, the rate is too low, or the samples are invalid.
     """
-    w = weight(acceleration, rate, settle)
+    w = weight(acceleration, rate, warm_up)
     return Ride(rms(w), vdv(w, rate), mtvv(w, rate), crest_factor(w), w.size / rate)
 
 
 @dataclass(frozen=True)
 class SeatFactor:
-    """Seat effective amplitude transmissibility: what the seat makes of the floor's vibration; below 1 it helps.
+    """Seat effective amplitude transmissibility (SEAT); below 1, the seat reduces the vibration.
 
     Attributes
     ----------
     rms
-        a_w on the seat over a_w on the floor (ISO 10326-1).
+        Ratio of a_w on the seat to a_w on the floor, ISO 10326-1.
     vdv
-        VDV on the seat over VDV on the floor: for rides with shocks.
+        Ratio of VDV on the seat to VDV on the floor, for rides with shocks.
     """
 
     rms: float
@@ -177,19 +247,24 @@ class SeatFactor:
 
 
 def seat_factor(seat: Ride, floor: Ride) -> SeatFactor:
-    """Divide what arrives on the seat by what the floor does.
+    """Calculate the SEAT factors of a seat.
 
-    Both by Wk, as ISO 7096 does for the vertical direction.
+    Seat and floor are both weighted with Wk, as in ISO 7096 for the vertical direction.
 
     Parameters
     ----------
     seat, floor
-        From :func:`ride`, over the same time.
+        Metrics of seat and floor from :func:`ride`, of the same duration.
+
+    Returns
+    -------
+    SeatFactor
+        The ratios.
 
     Raises
     ------
     SignalError
-        If the floor is at rest, or the durations differ.
+        If the floor does not move, or the durations differ.
     """
     if not math.isclose(seat.duration, floor.duration):
         raise SignalError(f"seat and floor: expected one duration, got {seat.duration:g} s and {floor.duration:g} s")

@@ -1,1 +1,1 @@
-"""What a run leaves: a table over time, in memory and in files."""
+"""The result of a run: a table of values over time, in memory and in files."""

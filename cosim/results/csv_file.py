@@ -1,4 +1,4 @@
-"""CSV: the format everybody reads; on disk as soon as the rows come, without units."""
+"""CSV files: rows are on disk as soon as they come; units are not kept."""
 
 from __future__ import annotations
 
@@ -11,35 +11,58 @@ from typing import TextIO
 import numpy as np
 
 from cosim.errors import SetupError
-from cosim.results.file_sink import FileSink, Rows, Table
+from cosim.results.file_sink import FileSink, ResultTable, Rows
 
 
-def head(names: Sequence[str]) -> str:
-    """Write the first line; names that hold commas or quotes are quoted."""
+def format_header(names: Sequence[str]) -> str:
+    """Return the header line; names with commas or quotes are quoted.
+
+    Parameters
+    ----------
+    names
+        Names of the columns.
+    """
     line = io.StringIO()
     csv.writer(line, lineterminator="\n").writerow(names)
     return line.getvalue()
 
 
-def lines(rows: Rows) -> str:
-    """Write rows, one a line, so that reading a number gives the same bits."""
+def format_rows(rows: Rows) -> str:
+    """Return rows as text, one line for each.
+
+    Parameters
+    ----------
+    rows
+        Shape (rows, columns).
+
+    Returns
+    -------
+    str
+        Numbers that read back to the same bits.
+    """
     return "".join([",".join(map(repr, row)) + "\n" for row in rows.tolist()])
 
 
 class CsvSink(FileSink):
-    """Writes CSV; a process that dies leaves in ``result.partial.csv`` what had come."""
+    """Writes a CSV file; a process that is killed leaves the rows so far in ``result.partial.csv``.
+
+    Parameters
+    ----------
+    folder
+        As of :class:`FileSink`.
+    """
 
     suffix = ".csv"
     _stream: TextIO
 
     def _begin(self, names: list[str], units: list[str | None]) -> None:
         self._stream = self._partial.open("w", newline="", encoding="utf-8")
-        self._put(head(names))
+        self._write_text(format_header(names))
 
     def _write(self, rows: Rows) -> None:
-        self._put(lines(rows))
+        self._write_text(format_rows(rows))
 
-    def _put(self, text: str) -> None:
+    def _write_text(self, text: str) -> None:
         self._stream.write(text)
         self._stream.flush()
 
@@ -47,8 +70,24 @@ class CsvSink(FileSink):
         self._stream.close()
 
     @classmethod
-    def read(cls, path: Path) -> Table:
-        """Read a table; a last line that was cut off by a crash is left out."""
+    def read(cls, path: Path) -> ResultTable:
+        """Read a table; an incomplete last line, as a crash leaves it, is ignored.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Returns
+        -------
+        ResultTable
+            Without units.
+
+        Raises
+        ------
+        SetupError
+            If the file cannot be read or is not a table of numbers.
+        """
         try:
             text = path.read_bytes().decode("utf-8", errors="replace")
         except OSError as error:
@@ -62,4 +101,4 @@ class CsvSink(FileSink):
             raise SetupError(f"{path}: expected a CSV table of numbers, got: {error}") from None
         if rows.shape[1] != len(names):
             raise SetupError(f"{path}: expected rows of {len(names)} numbers, got {rows.shape[1]}")
-        return Table(names, [None] * len(names), rows)
+        return ResultTable(names, [None] * len(names), rows)

@@ -1,4 +1,4 @@
-"""What all formats share: how a file is named while it grows and when it is done, and what is said when it cannot."""
+"""Base of all file formats: names of complete and incomplete files, errors in writing, and buffering of rows."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ import numpy as np
 from cosim.errors import RunError, SetupError
 
 Rows = np.ndarray[Any, Any]
-"""Some rows of a table, shape (rows, columns), time in s first."""
+"""Rows of a table, shape (rows, columns), float64, time in s in the first column."""
 
 BLOCK_ROWS = 2**14
-"""Rows that a format of blocks writes at once: some MB at 20 columns."""
+"""Number of rows that formats with blocks write at once: some MB at 20 columns."""
 
 
-class Table(NamedTuple):
-    """A table as a file holds it.
+class ResultTable(NamedTuple):
+    """The content of a result file.
 
     Attributes
     ----------
     names
-        Of the columns, ``time`` first.
+        Names of the columns, ``time`` first.
     units
-        Of the columns; None where there is none, or where the format does not keep them.
+        Units of the columns; None for a column without a unit and for formats that do not keep units.
     rows
-        Shape (rows, columns).
+        Values, shape (rows, columns).
     """
 
     names: list[str]
@@ -38,18 +38,43 @@ class Table(NamedTuple):
     rows: Rows
 
 
-def file_name(suffix: str, complete: bool) -> str:
-    """Name the file of a result: only a complete one is called so."""
+def result_file_name(suffix: str, complete: bool) -> str:
+    """Return the name of a result file.
+
+    Parameters
+    ----------
+    suffix
+        Suffix of the format.
+    complete
+        Whether the run reached its stop time.
+
+    Examples
+    --------
+    >>> result_file_name(".csv", complete=True), result_file_name(".csv", complete=False)
+    ('result.csv', 'result.partial.csv')
+    """
     return f"result{suffix}" if complete else f"result.partial{suffix}"
 
 
-def imported(name: str, extra: str) -> Any:
-    """Import what only one format needs.
+def import_optional(name: str, extra: str) -> Any:
+    """Import a module that only one format needs.
+
+    Parameters
+    ----------
+    name
+        Name of the module.
+    extra
+        The extra of this distribution that installs it.
+
+    Returns
+    -------
+    module
+        The imported module.
 
     Raises
     ------
     SetupError
-        If it is not installed, with the extra that brings it.
+        If it is not installed; the message names the extra.
     """
     try:
         return import_module(name)
@@ -59,21 +84,21 @@ def imported(name: str, extra: str) -> Any:
 
 
 class FileSink(ABC):
-    """Writes a run's table to a file of a folder, ``result.partial.*`` until the run is complete.
+    """Writes the rows of a run to a file, which is named ``result.partial.*`` until the run is complete.
 
     Parameters
     ----------
     folder
-        Where to; it exists when the run begins.
+        Folder of the file; it must exist when the run begins.
 
     Attributes
     ----------
     path
-        The file as it is called now.
+        The file's current name.
     rows
-        How many were written.
+        Number of rows written.
     reached
-        Time of the last, in s.
+        Time of the last row written, in s.
 
     Raises
     ------
@@ -82,36 +107,49 @@ class FileSink(ABC):
     """
 
     suffix: ClassVar[str]
+    """Suffix of the file."""
+
     package: ClassVar[str | None] = None
-    """What the format needs beyond this package's own dependencies."""
+    """Name of the optional package that the format needs."""
 
     def __init__(self, folder: Path) -> None:
-        self._complete = folder / file_name(self.suffix, complete=True)
-        self._partial = folder / file_name(self.suffix, complete=False)
+        self._complete = folder / result_file_name(self.suffix, complete=True)
+        self._partial = folder / result_file_name(self.suffix, complete=False)
         self.path = self._partial
         self.rows = 0
         self.reached = 0.0
         self._open = self._failed = False
 
     def begin(self, names: Sequence[str], units: Sequence[str | None]) -> None:
-        """Open the file.
+        """Open the file and write its head.
 
         Parameters
         ----------
         names, units
-            Of all columns but time, which comes first and is in s.
+            Names and units of all columns but the first one, which is ``time`` in s.
 
         Raises
         ------
         RunError
-            Here and below, if the file cannot be written.
+            If the file cannot be written.
         """
         with self._writing():
             self._begin(["time", *names], ["s", *units])
             self._open = True
 
     def write(self, rows: Rows) -> None:
-        """Write some rows, time first; they are not kept. After a failure, which a run hears of once, nothing is."""
+        """Write rows; after an error, further rows are ignored.
+
+        Parameters
+        ----------
+        rows
+            Shape (rows, columns), time in s first; not kept.
+
+        Raises
+        ------
+        RunError
+            If the file cannot be written.
+        """
         if self._failed:
             return
         with self._writing():
@@ -120,11 +158,22 @@ class FileSink(ABC):
         self.reached = float(rows[-1, 0]) if len(rows) else self.reached
 
     def end(self, complete: bool) -> None:
-        """Close the file, and give it its final name if the run is complete; ``path`` tells which it has."""
+        """Close the file, and rename it if the run is complete.
+
+        Parameters
+        ----------
+        complete
+            Whether the run reached its stop time.
+
+        Raises
+        ------
+        RunError
+            If the file cannot be written.
+        """
         if not self._open:
             return
         if self._failed:
-            with suppress(Exception):  # whatever the half-written file still raises: what went wrong is said already
+            with suppress(Exception):  # the error in writing was reported already
                 self._end()
             return
         with self._writing():
@@ -152,8 +201,18 @@ class FileSink(ABC):
 
     @classmethod
     @abstractmethod
-    def read(cls, path: Path) -> Table:
-        """Read what was written.
+    def read(cls, path: Path) -> ResultTable:
+        """Read a file of this format.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Returns
+        -------
+        ResultTable
+            The content of the file.
 
         Raises
         ------
@@ -162,35 +221,61 @@ class FileSink(ABC):
         """
 
 
-class Blocks:
-    """Hands rows on in blocks of one size: a file's bytes then depend on the rows, not on how many came at a time.
+class RowBuffer:
+    """Collects rows into blocks of a fixed size, so that a file's bytes do not depend on how the rows arrive.
 
     Parameters
     ----------
-    hand_on
-        Takes a block.
+    write_block
+        Called with each block, shape (rows, columns).
     size
-        Rows of all blocks but the last.
+        Number of rows of all blocks but the last.
     """
 
-    def __init__(self, hand_on: Callable[[Rows], None], size: int = BLOCK_ROWS) -> None:
-        self._hand_on = hand_on
+    def __init__(self, write_block: Callable[[Rows], None], size: int = BLOCK_ROWS) -> None:
+        self._write_block = write_block
         self._size = size
-        self._waiting: list[Rows] = []
+        self._parts: list[Rows] = []
         self._count = 0
 
     def add(self, rows: Rows) -> None:
-        """Take rows; the array may be used anew afterwards."""
+        """Add rows and write the blocks that are full.
+
+        Parameters
+        ----------
+        rows
+            Shape (rows, columns); copied.
+        """
         while len(rows):
-            taken = rows[: self._size - self._count]
-            self._waiting.append(taken.copy())
-            self._count += len(taken)
-            rows = rows[len(taken) :]
+            part = rows[: self._size - self._count]
+            self._parts.append(part.copy())
+            self._count += len(part)
+            rows = rows[len(part) :]
             if self._count == self._size:
                 self.flush()
 
     def flush(self) -> None:
-        """Hand on what waits, if anything."""
-        if self._waiting:
-            self._hand_on(np.concatenate(self._waiting))
-        self._waiting, self._count = [], 0
+        """Write the remaining rows, if any."""
+        if self._parts:
+            self._write_block(np.concatenate(self._parts))
+        self._parts, self._count = [], 0
+
+
+class BlockSink(FileSink):
+    """Base of the formats that write blocks of :data:`BLOCK_ROWS` rows.
+
+    Parameters
+    ----------
+    folder
+        As of :class:`FileSink`.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self._buffer = RowBuffer(self._write_block)
+
+    def _write(self, rows: Rows) -> None:
+        self._buffer.add(rows)
+
+    @abstractmethod
+    def _write_block(self, block: Rows) -> None: ...

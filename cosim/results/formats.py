@@ -1,57 +1,87 @@
-"""Files that hold a run's table: written row by row as it comes, and read back."""
+"""Formats of result files: which exist, how sinks are created, how files are read."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
 
+from cosim.errors import Problems, SetupError
 from cosim.fmi.archive import is_file
-from cosim.errors import SetupError
-from cosim.results.file_sink import FileSink, Table, file_name
 from cosim.results.csv_file import CsvSink
+from cosim.results.file_sink import FileSink, ResultTable, result_file_name
 from cosim.results.mdf import MdfSink
 from cosim.results.parquet import ParquetSink
 
-__all__ = ["FORMATS", "CsvSink", "FileSink", "MdfSink", "ParquetSink", "Table", "file_names", "read", "sinks"]
+__all__ = [
+    "FORMATS",
+    "CsvSink",
+    "FileSink",
+    "MdfSink",
+    "ParquetSink",
+    "ResultTable",
+    "create_sinks",
+    "read_table",
+    "result_file_names",
+]
 
 FORMATS: dict[str, type[FileSink]] = {"csv": CsvSink, "parquet": ParquetSink, "mdf4": MdfSink}
-"""Name of a format to what writes and reads it; the first is always written."""
+"""Name of a format to the class that writes and reads it; the first is always written."""
 
 
-def sinks(folder: Path, formats: Iterable[str] = ()) -> list[FileSink]:
-    """Make what writes a run's table to a folder: CSV first, then the formats asked for.
+def create_sinks(folder: Path, formats: Iterable[str] = ()) -> list[FileSink]:
+    """Create the sinks that write a run's rows to files; no file is created yet.
+
+    Parameters
+    ----------
+    folder
+        Folder of the files.
+    formats
+        Names of further formats, see :data:`FORMATS`.
+
+    Returns
+    -------
+    list of FileSink
+        CSV first, then the further formats.
 
     Raises
     ------
     SetupError
-        If a format does not exist, or its package is not installed; nothing is written yet.
+        With all formats that do not exist or whose package is not installed.
     """
-    wanted = dict.fromkeys([next(iter(FORMATS)), *formats])
-    problems = [f"format: expected one of {', '.join(FORMATS)}, got {name}" for name in wanted if name not in FORMATS]
-    found: list[FileSink] = []
-    for name in wanted:
-        try:
-            found += [FORMATS[name](folder)] if name in FORMATS else []
-        except SetupError as error:
-            problems += error.problems
-    if problems:
-        raise SetupError(*problems)
-    return found
+    names = dict.fromkeys([next(iter(FORMATS)), *formats])
+    problems = Problems()
+    problems.found += [f"format: expected one of {', '.join(FORMATS)}, got {n}" for n in names if n not in FORMATS]
+    sinks: list[FileSink] = []
+    for name in names:
+        with problems.collected():
+            sinks += [FORMATS[name](folder)] if name in FORMATS else []
+    problems.raise_any()
+    return sinks
 
 
-def file_names() -> list[str]:
-    """Name every file that may hold the result of a run, complete or not."""
-    return [file_name(kind.suffix, complete) for kind in FORMATS.values() for complete in (True, False)]
+def result_file_names() -> list[str]:
+    """Return the names of all files that may hold the result of a run, complete or not."""
+    return [result_file_name(kind.suffix, complete) for kind in FORMATS.values() for complete in (True, False)]
 
 
-def read(path: Path) -> Table:
-    """Read a table from a file of any format, known by its suffix.
+def read_table(path: Path) -> ResultTable:
+    """Read a result file; its suffix determines the format.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    ResultTable
+        The content of the file.
 
     Raises
     ------
     SetupError
-        If there is no such file, its format is not known or needs a package that is missing, or it does not hold a
-        table of numbers over time.
+        If there is no such file, its format is unknown or needs a package that is not installed, or it does not hold a
+        table of numbers with the first column ``time``.
     """
     kinds = {kind.suffix: kind for kind in FORMATS.values()}
     if path.suffix not in kinds:

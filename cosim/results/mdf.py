@@ -1,4 +1,4 @@
-"""MDF4, the measurement format of the automotive tools: one channel group over time, channels with their units."""
+"""MDF4 files, the measurement format of automotive tools: one channel group over time, channels with units."""
 
 from __future__ import annotations
 
@@ -10,27 +10,33 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import SetupError
-from cosim.results.file_sink import Blocks, FileSink, Rows, Table, imported
+from cosim.results.file_sink import BlockSink, ResultTable, Rows, import_optional
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-"""Start of every measurement: a simulation happens at no date, and equal runs give equal bytes."""
+"""Start time of every measurement, so that equal runs give equal bytes."""
 
 _FILE_HISTORY_LINK = 64 + 24 + 8
-"""Where a file points at its first FHBLOCK: past ID block, head of the header block, and its first link."""
+"""Offset of the link to the first FHBLOCK: after the ID block, the header block's head and its first link."""
 
 _HISTORY_TIME = 24 + 2 * 8
-"""Where an FHBLOCK holds its time: past its head and two links."""
+"""Offset of the time in an FHBLOCK: after its head and two links."""
 
 _NO_TIME = struct.pack("<QhhB", 0, 0, 0, 0)
 """Time in ns, offsets of time zone and summer time in min, flags."""
 
 
 def _asammdf() -> Any:
-    return imported("asammdf", "mdf")
+    return import_optional("asammdf", "mdf")
 
 
-class MdfSink(FileSink):
-    """Writes MDF 4.10: rows wait in a temporary file, the result appears when the run has ended, complete or not."""
+class MdfSink(BlockSink):
+    """Writes an MDF 4.10 file, from a temporary file when the run has ended, complete or not.
+
+    Parameters
+    ----------
+    folder
+        As of :class:`BlockSink`.
+    """
 
     suffix = ".mf4"
     package = "asammdf"
@@ -44,12 +50,8 @@ class MdfSink(FileSink):
         self._mdf = self._asammdf.MDF(version="4.10")
         self._mdf.start_time = _EPOCH
         self._group: int | None = None
-        self._blocks = Blocks(self._put)
 
-    def _write(self, rows: Rows) -> None:
-        self._blocks.add(rows)
-
-    def _put(self, block: Rows) -> None:
+    def _write_block(self, block: Rows) -> None:
         time, *columns = (np.ascontiguousarray(column) for column in block.T)
         if self._group is not None:
             self._mdf.extend(self._group, [(column, None) for column in (time, *columns)])
@@ -62,17 +64,17 @@ class MdfSink(FileSink):
         self._group = self._mdf.append(signals, comment="", common_timebase=True)
 
     def _end(self) -> None:
-        self._blocks.flush()
+        self._buffer.flush()
         if self._group is None:
-            self._put(np.empty((0, len(self._names))))
+            self._write_block(np.empty((0, len(self._names))))
         try:
             self._mdf.save(self._partial, overwrite=True)
         finally:
             self._mdf.close()
-        self._forget_when()
+        self._reset_history_time()
 
-    def _forget_when(self) -> None:
-        """Set time and zone of the file's history, which asammdf takes from the machine, to those of the start."""
+    def _reset_history_time(self) -> None:
+        """Set the time and zone of the file's history, which asammdf takes from the system clock, to zero."""
         with self._partial.open("r+b") as stream:
             stream.seek(_FILE_HISTORY_LINK)
             (history,) = struct.unpack("<Q", stream.read(8))
@@ -80,13 +82,29 @@ class MdfSink(FileSink):
             stream.write(_NO_TIME)
 
     @classmethod
-    def read(cls, path: Path) -> Table:
-        """Read the first channel group with its units."""
+    def read(cls, path: Path) -> ResultTable:
+        """Read the first channel group with its units.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Returns
+        -------
+        ResultTable
+            The content of the file.
+
+        Raises
+        ------
+        SetupError
+            If the file has no channel group, or asammdf is not installed.
+        """
         asammdf = _asammdf()
         try:
             with asammdf.MDF(path) as mdf:
                 channels = [mdf.get(group=0, index=i, raw=True) for i in range(len(mdf.groups[0].channels))]
-        except Exception as error:  # asammdf has no common base of what it raises at a foreign file
+        except Exception as error:  # asammdf raises exceptions of many types for invalid files
             raise SetupError(f"{path}: expected an MDF4 file with a channel group, got: {error}") from None
         rows = np.column_stack([channel.samples.astype(float) for channel in channels])
-        return Table([c.name for c in channels], [c.unit or None for c in channels], rows)
+        return ResultTable([c.name for c in channels], [c.unit or None for c in channels], rows)

@@ -1,4 +1,4 @@
-"""Parquet, for large studies: columns of floats, each with its unit in the column's metadata."""
+"""Parquet files, for large studies: columns of floats, each with its unit in the column's metadata."""
 
 from __future__ import annotations
 
@@ -8,18 +8,24 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import SetupError
-from cosim.results.file_sink import Blocks, FileSink, Rows, Table, imported
+from cosim.results.file_sink import BlockSink, ResultTable, Rows, import_optional
 
 _UNIT = b"unit"
-"""Key of a column's metadata."""
+"""Key of the unit in a column's metadata."""
 
 
 def _pyarrow() -> tuple[Any, Any]:
-    return imported("pyarrow", "parquet"), imported("pyarrow.parquet", "parquet")
+    return import_optional("pyarrow", "parquet"), import_optional("pyarrow.parquet", "parquet")
 
 
-class ParquetSink(FileSink):
-    """Writes Parquet, a row group every some thousand rows; readable once the run has ended, complete or not."""
+class ParquetSink(BlockSink):
+    """Writes a Parquet file with row groups of :data:`BLOCK_ROWS` rows; readable when the run has ended.
+
+    Parameters
+    ----------
+    folder
+        As of :class:`BlockSink`.
+    """
 
     suffix = ".parquet"
     package = "pyarrow"
@@ -36,22 +42,34 @@ class ParquetSink(FileSink):
         ]
         self._schema = pa.schema(columns)
         self._writer = self._parquet.ParquetWriter(str(self._partial), self._schema)
-        self._blocks = Blocks(self._put)
 
-    def _write(self, rows: Rows) -> None:
-        self._blocks.add(rows)
-
-    def _put(self, block: Rows) -> None:
+    def _write_block(self, block: Rows) -> None:
         columns = [np.ascontiguousarray(column) for column in block.T]
         self._writer.write_table(self._pyarrow.table(columns, schema=self._schema))
 
     def _end(self) -> None:
-        self._blocks.flush()
+        self._buffer.flush()
         self._writer.close()
 
     @classmethod
-    def read(cls, path: Path) -> Table:
-        """Read a table with its units."""
+    def read(cls, path: Path) -> ResultTable:
+        """Read a table with its units.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Returns
+        -------
+        ResultTable
+            The content of the file.
+
+        Raises
+        ------
+        SetupError
+            If the file is not a table of numbers, or pyarrow is not installed.
+        """
         pa, parquet = _pyarrow()
         try:
             table = parquet.read_table(str(path))
@@ -59,4 +77,4 @@ class ParquetSink(FileSink):
         except (pa.ArrowException, ValueError, OSError) as error:
             raise SetupError(f"{path}: expected a Parquet table of numbers, got: {error}") from None
         found = [(column.metadata or {}).get(_UNIT) for column in table.schema]
-        return Table(table.column_names, [unit.decode() if unit else None for unit in found], rows)
+        return ResultTable(table.column_names, [unit.decode() if unit else None for unit in found], rows)

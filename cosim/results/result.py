@@ -1,4 +1,4 @@
-"""What a run leaves: a table of values over time, in memory and in files."""
+"""The result of a run in memory, and the interface of sinks that take its rows."""
 
 from __future__ import annotations
 
@@ -9,61 +9,88 @@ from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 
-from cosim.results.formats import CsvSink, file_names, read, sinks
-from cosim.results.file_sink import file_name
-from cosim.results.csv_file import head, lines
+from cosim.results.csv_file import format_header, format_rows
+from cosim.results.file_sink import result_file_name
+from cosim.results.formats import CsvSink, create_sinks, read_table, result_file_names
 
-COMPLETE = file_name(CsvSink.suffix, complete=True)
-PARTIAL = file_name(CsvSink.suffix, complete=False)
+COMPLETE = result_file_name(CsvSink.suffix, complete=True)
+"""Name of the CSV file of a complete run."""
+
+PARTIAL = result_file_name(CsvSink.suffix, complete=False)
+"""Name of the CSV file of an incomplete run."""
+
 MANIFEST = "run.json"
-"""What tells of a run beside its result, see :mod:`cosim.manifest`."""
+"""Name of the file that describes a run, see :mod:`cosim.manifest`."""
 
 
 class Sink(Protocol):
-    """Takes the rows of a run while it goes on."""
+    """Takes the rows of a run as they come."""
 
     def begin(self, names: Sequence[str], units: Sequence[str | None]) -> None:
-        """Take the names of the recorded outputs, as ``component.variable``, and their units."""
+        """Take the columns at the beginning of a run.
+
+        Parameters
+        ----------
+        names
+            The recorded outputs as ``component.variable``.
+        units
+            Their units; None for outputs without a unit.
+        """
 
     def write(self, rows: np.ndarray[Any, Any]) -> None:
-        """Take complete rows, shape (n, 1 + names), time in s first; the array is the run's: copy what is to stay."""
+        """Take complete rows of the table.
+
+        Parameters
+        ----------
+        rows
+            Shape (rows, 1 + names), time in s first. The array is reused after the call.
+        """
 
     def end(self, complete: bool) -> None:
-        """Hear that no more rows come, and whether the run reached its stop time."""
+        """Take the end of a run.
+
+        Parameters
+        ----------
+        complete
+            Whether the run reached its stop time.
+        """
 
 
 StepperName = Literal["c", "python"]
-"""Which loop steps the components."""
+"""Name of the loop that steps the components."""
 
 STEPPERS: tuple[StepperName, ...] = get_args(StepperName)
+"""All names of steppers."""
 
 
 @dataclass(frozen=True)
 class Result:
     """Values at the communication points of a run.
 
-    There is a row for the instants t_0, t_N, t_2N, ... and for the last one, where every N-th step is recorded. The row
-    of t_k holds the values at t_k: what is continuous as it was when step k began, what is discrete as step k computed
-    it. The last row repeats the last discrete values, as nothing steps past the stop.
+    Where every N-th step is recorded, there are rows for the times t_0, t_N, t_2N, ... and for the last communication
+    point. The row of t_k holds the values at t_k: continuous outputs as they were at the beginning of step k, discrete
+    outputs as step k computed them. The last row repeats the last discrete values, because no step follows.
 
     Attributes
     ----------
     time
-        t_k in s, shape (rows,).
+        Communication points t_k in s, shape (rows,).
     values
-        ``component.variable`` to its values, shape (rows,); Booleans as 0 and 1.
+        ``component.variable`` to its values in its unit, shape (rows,); Booleans as 0 and 1.
     units
-        ``component.variable`` to its unit, None where it has none.
+        ``component.variable`` to its unit; None for outputs without a unit.
     complete
         Whether the run reached its stop time.
     error
-        Why it did not.
+        Why the run is incomplete; None where it is complete.
     warnings
-        What the FMUs warned of.
+        Warnings of the FMUs.
     stepper
-        Which loop stepped the components.
-    missed_deadlines, worst_lateness
-        Of a run in real time: how many steps were not finished when the next was due, and by how much at worst, in s.
+        Name of the loop that stepped the components.
+    missed_deadlines
+        In a real-time run, the number of steps that were not finished when the next one was due.
+    worst_lateness
+        In a real-time run, the largest delay of a step in s.
     """
 
     time: np.ndarray[Any, Any]
@@ -86,53 +113,68 @@ class Result:
         return np.column_stack([self.time, *self.values.values()])
 
     def to_csv(self, path: str | Path) -> None:
-        """Write time and all values; floats are written so that reading them gives the same bits."""
-        with Path(path).open("w", newline="", encoding="utf-8") as stream:
-            stream.write(head(["time", *self.values]))
-            stream.write(lines(self.rows))
-
-    def save(self, folder: Path, formats: Iterable[str] = ()) -> Path:
-        """Write ``result.csv``, or ``result.partial.csv`` of an incomplete run; returns which.
-
-        What an earlier run left does not stay beside it.
-
-        Parameters
-        ----------
-        folder
-            Where to; made if need be.
-        formats
-            Further ones: ``parquet``, ``mdf4``.
-
-        Raises
-        ------
-        SetupError
-            If a format needs a package that is not installed.
-        """
-        wanted = sinks(folder, formats)
-        clear(folder)
-        for sink in wanted:
-            sink.begin(list(self.values), [self.units[name] for name in self.values])
-            sink.write(self.rows)
-            sink.end(self.complete)
-        return wanted[0].path
-
-    @classmethod
-    def read(cls, path: str | Path) -> Result:
-        """Read what a run left.
+        """Write time and all values to a CSV file; the numbers read back to the same bits.
 
         Parameters
         ----------
         path
-            A ``.csv``, ``.parquet`` or ``.mf4`` file. A name with ``.partial`` is that of an incomplete run; units are
-            None where the format (CSV) does not keep them.
+            The file.
+        """
+        with Path(path).open("w", newline="", encoding="utf-8") as stream:
+            stream.write(format_header(["time", *self.values]))
+            stream.write(format_rows(self.rows))
+
+    def save(self, folder: Path, formats: Iterable[str] = ()) -> Path:
+        """Write result files to a folder; those of an earlier run there are removed.
+
+        Parameters
+        ----------
+        folder
+            The folder; created where it does not exist.
+        formats
+            Names of further formats beside CSV, see :data:`cosim.results.formats.FORMATS`.
+
+        Returns
+        -------
+        Path
+            The CSV file: ``result.csv``, or ``result.partial.csv`` of an incomplete run.
 
         Raises
         ------
         SetupError
-            If it cannot be read.
+            If a format does not exist or its package is not installed.
+        RunError
+            If a file cannot be written.
+        """
+        sinks = create_sinks(folder, formats)
+        prepare_folder(folder)
+        for sink in sinks:
+            sink.begin(list(self.values), [self.units[name] for name in self.values])
+            sink.write(self.rows)
+            sink.end(self.complete)
+        return sinks[0].path
+
+    @classmethod
+    def read(cls, path: str | Path) -> Result:
+        """Read a result from a file.
+
+        Parameters
+        ----------
+        path
+            A ``.csv``, ``.parquet`` or ``.mf4`` file.
+
+        Returns
+        -------
+        Result
+            Incomplete where the name has ``.partial``. Units are None from CSV files, which do not keep them.
+
+        Raises
+        ------
+        SetupError
+            If the file cannot be read, see :func:`cosim.results.formats.read_table`.
         """
         path = Path(path)
-        table = read(path)
+        table = read_table(path)
         return cls(
             time=table.rows[:, 0],
             values={name: table.rows[:, i] for i, name in enumerate(table.names) if i > 0},
@@ -141,8 +183,14 @@ class Result:
         )
 
 
-def clear(folder: Path) -> None:
-    """Make a folder for results, without what an earlier run left in it."""
+def prepare_folder(folder: Path) -> None:
+    """Create a folder for results and remove the result files of an earlier run from it.
+
+    Parameters
+    ----------
+    folder
+        The folder; other files in it are not touched.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    for name in (MANIFEST, *file_names()):
+    for name in (MANIFEST, *result_file_names()):
         (folder / name).unlink(missing_ok=True)

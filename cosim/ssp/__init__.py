@@ -1,10 +1,10 @@
-"""System structures of SSP 1.0, read into a :class:`~cosim.engine.structure.Structure` and written from one.
+"""Read and write system structures of SSP 1.0 as a :class:`~cosim.engine.structure.Structure`.
 
-There are libraries for this, and none that could be used: pyssp_standard 0.9.1 drops linear transformations,
-``suppressUnitConversion``, the connectors' units, ``sourceBase`` and inline mappings on reading; fmpy's own reader
-drops the default experiment and inline mappings, and looks for linear transformations in a namespace where none are.
-What is dropped there would change results in silence. So a file is validated here against the standard's own schemas,
-which fmpy ships, and read and written by one declaration for each element.
+No existing library is used, because each drops parts of the standard silently, which would change results:
+pyssp_standard 0.9.1 drops linear transformations, ``suppressUnitConversion``, the units of connectors, ``sourceBase``
+and inline mappings on reading; fmpy's reader drops the default experiment and inline mappings, and searches linear
+transformations in a wrong namespace. Here a file is validated against the standard's schemas, which fmpy includes, and
+each element is read and written by one declaration.
 """
 
 from cosim.ssp.read import load, read_parameters

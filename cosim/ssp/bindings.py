@@ -1,32 +1,33 @@
-"""Parameters of a system structure: who binds which value to what, and whose word counts.
+"""Parameters that a system structure binds to its elements.
 
-Of bindings at one element the later wins, and what is bound further out wins over what is bound further in.
+Of several bindings for one parameter, the last one at an element wins, and those of an outer system win over those of
+the elements inside it.
 """
 
 from __future__ import annotations
 
 from cosim.engine.network import VariableRef
-from cosim.errors import SetupError
+from cosim.errors import SetupError, prefixed
 from cosim.fmi.values import Value
 from cosim.ssp import ssd, ssv
-from cosim.ssp.connections import Connections
-from cosim.ssp.nodes import Node, Nodes, Path, component_name
-from cosim.ssp.quantities import Hop, Quantity, set_value
+from cosim.ssp.connections import ConnectionGraph
+from cosim.ssp.nodes import ElementPath, Node, Nodes, component_name
+from cosim.ssp.quantities import Quantity, Transfer, check_value
 from cosim.units import Unit
 
 _SETTABLE = ("input", "parameter")
-"""Kinds of a system's connectors that take values from outside."""
+"""Kinds of a system's connectors to which values can be bound."""
 
 
 class Bindings:
-    """Values of the components' parameters and free inputs.
+    """Values that are bound to parameters and unconnected inputs of components.
 
     Parameters
     ----------
     nodes
-        What there is.
-    connections
-        Which ways values go, those of parameters too.
+        The nodes.
+    graph
+        Their connections, including those of parameters.
     system
         The outermost system.
 
@@ -34,19 +35,19 @@ class Bindings:
     ----------
     values
         Variable to its value.
-    notes
-        What was passed over, a line each.
+    ignored
+        What was ignored, one line each.
     """
 
-    def __init__(self, nodes: Nodes, connections: Connections, system: ssd.System) -> None:
+    def __init__(self, nodes: Nodes, graph: ConnectionGraph, system: ssd.System) -> None:
         self.values: dict[VariableRef, Value] = {}
-        self.notes: list[str] = []
+        self.ignored: list[str] = []
         self._nodes = nodes
-        self._connections = connections
+        self._graph = graph
         self._bind(system, ())
 
-    def _bind(self, element: ssd.System | ssd.Component, path: Path) -> None:
-        """Take the parameters bound to an element: what is bound further out comes later and wins, as in a sequence."""
+    def _bind(self, element: ssd.System | ssd.Component, path: ElementPath) -> None:
+        """Apply the bindings inside an element, then its own, which win."""
         if isinstance(element, ssd.System):
             for inner in element.elements:
                 if not isinstance(inner, ssd.SignalDictionaryReference):
@@ -54,10 +55,11 @@ class Bindings:
         elif path not in self._nodes.components:
             return
         for binding in element.bindings:
-            self._nodes.attempt(self._take, binding, element, path)
+            with self._nodes.collected():
+                self._apply(binding, element, path)
 
-    def _take(self, binding: ssd.ParameterBinding, element: ssd.System | ssd.Component, path: Path) -> None:
-        """Take a set of parameters."""
+    def _apply(self, binding: ssd.ParameterBinding, element: ssd.System | ssd.Component, path: ElementPath) -> None:
+        """Apply one binding of an element."""
         values, where = self._values_of(binding, element)
         mapping = self._mapping_of(binding, element)
         units = [*(definition.unit for definition in values.units), *self._nodes.known_units(path)]
@@ -66,25 +68,26 @@ class Bindings:
             entries = [entry for entry in mapping.entries if entry.source == name] if mapping else []
             entries = entries or [ssv.MappingEntry(source=name, target=name)]
             for entry in entries:
-                self._nodes.attempt(self._set, parameter, units, entry, path, where)
+                with self._nodes.collected():
+                    self._set(parameter, units, entry, path, where)
 
     def _set(
-        self, parameter: ssv.Parameter, units: list[Unit], entry: ssv.MappingEntry, path: Path, where: str
+        self, parameter: ssv.Parameter, units: list[Unit], entry: ssv.MappingEntry, path: ElementPath, where: str
     ) -> None:
+        """Set the target of a mapping entry to the value of a parameter."""
         label = f"{where}: parameter {parameter.name}"
         target = self._find(path, entry.target)
         if target is None:
-            self.notes.append(
-                f"{label}: passed over, as there is no {entry.target} in {'.'.join(path) or 'the system'}"
-            )
+            place = ".".join(path) or "the system"
+            self.ignored.append(f"{label}: ignored, as there is no {entry.target} in {place}")
             return
         if target.path not in self._nodes.components and (kind := self._nodes.kind(target)) not in _SETTABLE:
             raise SetupError(f"{label}: expected a parameter or an input, got the system's {kind} {target}")
-        quantity = Quantity.of(parameter.given, units, label)
-        hop = Hop(entry.transformation, entry.suppress_unit_conversion)
-        self._give(target, quantity.passed(hop, self._nodes.unit(target), label), label)
+        quantity = Quantity.of(parameter.typed_value, units, label)
+        transfer = Transfer(entry.transformation, entry.suppress_unit_conversion)
+        self._assign(target, quantity.transferred(transfer, self._nodes.unit(target), label), label)
 
-    def _find(self, path: Path, name: str) -> Node | None:
+    def _find(self, path: ElementPath, name: str) -> Node | None:
         """Find the node of a hierarchical name in an element."""
         if path in self._nodes.components:
             return Node(path, name) if name in self._nodes.model(path).variables else None
@@ -97,23 +100,21 @@ class Bindings:
                     return found
         return None
 
-    def _give(self, node: Node, quantity: Quantity, where: str) -> None:
-        """Give a value to a node and all that it feeds; a start value of a connected input changes nothing."""
+    def _assign(self, node: Node, quantity: Quantity, where: str) -> None:
+        """Assign a value to a node and all its sinks; connected inputs of components are not changed."""
         if node.path not in self._nodes.components:
-            for sink, hop in self._connections.fed_by(node):
-                self._give(sink, quantity.passed(hop, self._nodes.unit(sink), where), where)
+            for sink, transfer in self._graph.sinks_of(node):
+                self._assign(sink, quantity.transferred(transfer, self._nodes.unit(sink), where), where)
             return
-        port = VariableRef(component_name(node.path), node.connector)
-        if port not in self._nodes.structure.connections:
-            try:
-                self.values[port] = set_value(self._nodes.model(node.path), *port, quantity)
-            except SetupError as error:
-                raise SetupError(*(f"{where}: {problem}" for problem in error.problems)) from None
+        ref = VariableRef(component_name(node.path), node.connector)
+        if ref not in self._nodes.structure.connections:
+            with prefixed(where):
+                self.values[ref] = check_value(self._nodes.model(node.path), *ref, quantity)
 
     def _values_of(
         self, binding: ssd.ParameterBinding, element: ssd.System | ssd.Component
     ) -> tuple[ssv.ParameterSet, str]:
-        """Read a binding's parameters, and say where they stand."""
+        """Read the parameters of a binding; return them and the name of their file in messages."""
         if binding.type != ssv.PARAMETER_SET:
             raise SetupError(f"parameters of {element.name}: expected type {ssv.PARAMETER_SET}, got {binding.type}")
         if binding.source is None:
@@ -126,7 +127,7 @@ class Bindings:
     def _mapping_of(
         self, binding: ssd.ParameterBinding, element: ssd.System | ssd.Component
     ) -> ssv.ParameterMapping | None:
-        """Read a binding's mapping."""
+        """Read the mapping of a binding; None where it has none."""
         reference = binding.mapping
         if reference is None:
             return None
@@ -137,7 +138,7 @@ class Bindings:
         return ssv.read_parameter_mapping(*self._resource(reference.source, reference.source_base, element))
 
     def _resource(self, uri: str, base: str, element: ssd.System | ssd.Component) -> tuple[bytes, str]:
-        """Read a resource beside the description or in the component's FMU, and say where that is."""
+        """Read a resource of the package or of the component's FMU; return it and its name in messages."""
         if base == "SSD":
             return self._nodes.package.read(uri), str(self._nodes.package.locate(uri))
         if isinstance(element, ssd.System):

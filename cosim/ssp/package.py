@@ -1,4 +1,4 @@
-"""Files of a system structure: an ``.ssp`` archive, or an ``.ssd`` file and the folder it lies in."""
+"""Files of a system structure: an ``.ssp`` archive, or an ``.ssd`` file and its folder."""
 
 from __future__ import annotations
 
@@ -9,23 +9,35 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
 from cosim.errors import SetupError
-from cosim.fmi.archive import is_file, leaves, open_archive
+from cosim.fmi.archive import is_file, is_unsafe_path, open_archive
 from cosim.fmi.description import ModelDescription
 
 DESCRIPTION = "SystemStructure.ssd"
-"""What the description is called in an archive."""
+"""Name of the description in an archive."""
 
 _DAMAGED = (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, OSError, EOFError)
-"""What :mod:`zipfile` raises for archives that are damaged, encrypted, or compressed in an unknown way."""
+"""Exceptions of :mod:`zipfile` for archives that are damaged, encrypted, or compressed by an unknown method."""
 
 
 def read_file(path: Path, expected: str) -> bytes:
     """Read a file that the user named.
 
+    Parameters
+    ----------
+    path
+        The file.
+    expected
+        What the file should be, in messages.
+
+    Returns
+    -------
+    bytes
+        The content of the file.
+
     Raises
     ------
     SetupError
-        If it cannot be read.
+        If the file cannot be read.
     """
     try:
         return path.read_bytes()
@@ -35,7 +47,7 @@ def read_file(path: Path, expected: str) -> bytes:
 
 
 class Package:
-    """A system structure's files, read where they lie.
+    """The files of a system structure, read in place.
 
     Parameters
     ----------
@@ -45,12 +57,12 @@ class Package:
     Attributes
     ----------
     where
-        The description, as messages call it.
+        Name of the description in messages.
 
     Raises
     ------
     SetupError
-        If there is no such file, it is no archive, or one that cannot be extracted safely.
+        If there is no such file, or it is not an archive that can be extracted safely.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -69,29 +81,34 @@ class Package:
         self.where = self._path / DESCRIPTION
 
     def description(self) -> bytes:
-        """Read the description.
+        """Read the description of the system.
 
         Raises
         ------
         SetupError
-            If there is none.
+            If there is none, or it cannot be read.
         """
         if self._members is None:
             return read_file(self._path, "a system structure")
         return self._member(DESCRIPTION)
 
     def read(self, uri: str) -> bytes:
-        """Read a resource.
+        """Read a resource of the package.
 
         Parameters
         ----------
         uri
-            Relative to the description.
+            URI of the resource, relative to the description.
+
+        Returns
+        -------
+        bytes
+            The content of the resource.
 
         Raises
         ------
         SetupError
-            If the URI is not one that leads to a file here, or the file cannot be read.
+            If the URI does not refer to a file in the package, or the file cannot be read.
         """
         name = self._name(uri)
         if self._members is None:
@@ -99,7 +116,23 @@ class Package:
         return self._member(name)
 
     def model(self, uri: str) -> ModelDescription:
-        """Read an FMU's description; parameter and errors as those of :meth:`read`."""
+        """Read the model description of an FMU.
+
+        Parameters
+        ----------
+        uri
+            URI of the FMU, relative to the description.
+
+        Returns
+        -------
+        ModelDescription
+            The description of the FMU.
+
+        Raises
+        ------
+        SetupError
+            If the URI does not refer to a file in the package, or the file is not an FMU that can be used.
+        """
         name = self._name(uri)
         if self._members is None:
             return ModelDescription.read(self._path.parent / name)
@@ -110,7 +143,25 @@ class Package:
             raise SetupError(f"{self.locate(uri)}: expected an archive that can be read, got: {error}") from None
 
     def read_in(self, archive: str, uri: str) -> tuple[bytes, str]:
-        """Read a file inside a resource that is an archive, and say where that is; errors as those of :meth:`read`."""
+        """Read a file inside a resource that is an archive.
+
+        Parameters
+        ----------
+        archive
+            URI of the archive, relative to the description.
+        uri
+            URI of the file, relative to the root of the archive.
+
+        Returns
+        -------
+        tuple
+            Content of the file, and its name in messages.
+
+        Raises
+        ------
+        SetupError
+            If a URI does not refer to a file, or it cannot be read.
+        """
         where, name = self.locate(archive) / unquote(uri), self._name(uri)
         try:
             with open_archive(io.BytesIO(self.read(archive)), self.locate(archive)) as opened:
@@ -121,14 +172,20 @@ class Package:
             raise SetupError(f"{where}: expected a file that can be read, got: {error}") from None
 
     def locate(self, uri: str) -> Path:
-        """Return a resource as messages call it."""
+        """Return the name of a resource in messages.
+
+        Parameters
+        ----------
+        uri
+            URI of the resource, relative to the description.
+        """
         return self.where.parent / unquote(uri)
 
     def _name(self, uri: str) -> str:
-        """Find the file that a URI names."""
+        """Return the path of the file to which a URI refers."""
         parts = urlsplit(uri)
         name = unquote(parts.path)
-        if parts.scheme or parts.netloc or parts.query or parts.fragment or not name or leaves(name):
+        if parts.scheme or parts.netloc or parts.query or parts.fragment or not name or is_unsafe_path(name):
             raise SetupError(f"{self.where}: expected a source in the folder of the description, got {uri!r}")
         return str(PurePosixPath(name))
 

@@ -1,7 +1,7 @@
-"""Values on their way through a system structure: each hop converts units, then transforms.
+"""Values of parameters with types and units, and their transfer from one connector to the next.
 
-Connections and parameters take the same hops; a unit that a connector does not state is carried along, so that it is
-not lost at the border of a nested system.
+Connections and parameters are transferred alike: the unit is converted, then the transformation is applied. Where a
+connector declares no unit, the quantity keeps its own, so that it is not lost at the border of a nested system.
 """
 
 from __future__ import annotations
@@ -11,21 +11,24 @@ from dataclasses import dataclass, replace
 
 from cosim.errors import SetupError
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.values import KINDS, Value
-from cosim.ssp.ssv import Given, Transformation
+from cosim.fmi.values import Value
+from cosim.fmi.variable_types import KINDS
+from cosim.ssp.ssv import Transformation, TypedValue
 from cosim.units import IDENTITY, Linear, Unit, conversion
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A parameter's value with its type and unit.
+    """A value of a parameter with its type and unit.
 
     Attributes
     ----------
     kind
-        As SSP calls the type.
+        Type as SSP names it, see :data:`cosim.ssp.ssv.KINDS`.
     value
-        In ``unit``, or in that of whatever it goes to where that is None.
+        The value in ``unit``.
+    unit
+        The unit; None for the unit of the connector or variable to which the value is transferred.
     """
 
     kind: str
@@ -33,48 +36,58 @@ class Quantity:
     unit: Unit | None = None
 
     @classmethod
-    def of(cls, given: Given, units: Iterable[Unit], where: str) -> Quantity:
-        """Take a value as it is written.
+    def of(cls, typed_value: TypedValue, units: Iterable[Unit], where: str) -> Quantity:
+        """Convert a value as it is written.
 
         Parameters
         ----------
-        given
-            What is written.
+        typed_value
+            The value as it is written.
         units
-            Known units, those that count first in front.
+            Known units; of several with one name, the first counts.
         where
-            The parameter; for the message.
+            Name of the parameter in messages.
+
+        Returns
+        -------
+        Quantity
+            The value with its unit, None where none is declared.
 
         Raises
         ------
         SetupError
-            If its unit is not known, or its type is of no use here.
+            If the unit is unknown, or the type is Binary.
         """
-        if given.kind == "Binary":
+        if typed_value.kind == "Binary":
             raise SetupError(f"{where}: expected a number, Boolean or text, got Binary")
-        return cls(given.kind, given.value, defined(given.unit, units, where))
+        return cls(typed_value.kind, typed_value.value, find_unit(typed_value.unit, units, where))
 
-    def passed(self, hop: Hop, unit: Unit | None, where: str) -> Quantity:
-        """Take a hop.
+    def transferred(self, transfer: Transfer, unit: Unit | None, where: str) -> Quantity:
+        """Apply a transfer to the value.
 
         Parameters
         ----------
-        hop
-            How.
+        transfer
+            The transfer.
         unit
-            Unit at its end, if that is known.
+            Unit at its end; None where it is not declared.
         where
-            From where to where; for the message.
+            Name of the parameter or connection in messages.
+
+        Returns
+        -------
+        Quantity
+            The value at the end of the transfer.
 
         Raises
         ------
         SetupError
-            If the dimensions differ, or the transformation does not fit the type.
+            If the dimensions of the units differ, or the transformation is not for the type of the value.
         """
-        linear, unit = hop.linear(self.unit, unit, where)
-        transformation = hop.transformation
+        linear, unit = transfer.linear(self.unit, unit, where)
+        transformation = transfer.transformation
         if transformation is not None and transformation.linear is None:
-            return replace(self, value=_looked_up(self, transformation, where), unit=unit)
+            return replace(self, value=_mapped_value(self, transformation, where), unit=unit)
         if linear == IDENTITY:
             return replace(self, unit=unit)
         if self.kind not in ("Real", "Integer"):
@@ -84,27 +97,39 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class Hop:
-    """How a value gets from one end to the next.
+class Transfer:
+    """How a value is transferred from one connector to the next.
 
     Attributes
     ----------
     transformation
-        After the conversion of units.
+        The transformation after the conversion of units; None for none.
     suppress_unit_conversion
-        Whether there is none.
+        Whether units are not converted.
     """
 
     transformation: Transformation | None = None
     suppress_unit_conversion: bool = False
 
     def linear(self, source: Unit | None, sink: Unit | None, where: str) -> tuple[Linear, Unit | None]:
-        """Find what the hop does to a number, and in which unit it arrives; a table is left out.
+        """Return the linear transformation of numbers; a table of values is ignored.
+
+        Parameters
+        ----------
+        source, sink
+            Units of the two ends; None where they are not declared.
+        where
+            Name of the parameter or connection in messages.
+
+        Returns
+        -------
+        tuple
+            The conversion of units followed by the transformation, and the unit at the end.
 
         Raises
         ------
         SetupError
-            If the dimensions differ.
+            If the dimensions of the units differ.
         """
         converted: Linear | None = IDENTITY
         if not self.suppress_unit_conversion:
@@ -117,24 +142,38 @@ class Hop:
         return own.after(converted), sink
 
 
-def _looked_up(quantity: Quantity, table: Transformation, where: str) -> Value:
-    """Find a value in a table."""
+def _mapped_value(quantity: Quantity, table: Transformation, where: str) -> Value:
+    """Return the value to which a mapping transformation maps a value."""
     kind = table.kind.removesuffix("MappingTransformation")
     if quantity.kind != kind:
         raise SetupError(f"{where}: expected a value of type {kind} for its transformation, got {quantity.kind}")
     for entry in table.entries:
-        if Given(kind=kind, text=entry.source).value == quantity.value:
-            return Given(kind=kind, text=entry.target).value
+        if TypedValue(kind=kind, text=entry.source).value == quantity.value:
+            return TypedValue(kind=kind, text=entry.target).value
     raise SetupError(f"{where}: expected a value in the table of its transformation, got {quantity.value}")
 
 
-def defined(name: str | None, units: Iterable[Unit], where: str) -> Unit | None:
+def find_unit(name: str | None, units: Iterable[Unit], where: str) -> Unit | None:
     """Find a unit by name.
+
+    Parameters
+    ----------
+    name
+        Name of the unit; None where none is declared.
+    units
+        Known units; of several with one name, the first counts.
+    where
+        Name of the parameter or connector in messages.
+
+    Returns
+    -------
+    Unit or None
+        None if ``name`` is None.
 
     Raises
     ------
     SetupError
-        If there is a name, but no unit of it.
+        If there is no unit of that name.
     """
     if name is None:
         return None
@@ -144,18 +183,29 @@ def defined(name: str | None, units: Iterable[Unit], where: str) -> Unit | None:
     raise SetupError(f"{where}: expected a unit that is defined, got {name}")
 
 
-def set_value(model: ModelDescription, component: str, variable: str, quantity: Quantity) -> Value:
-    """Check a value for a variable of an FMU, in whose unit it has to be.
+def check_value(model: ModelDescription, component: str, variable: str, quantity: Quantity) -> Value:
+    """Check a value for a variable of an FMU.
+
+    Parameters
+    ----------
+    model
+        The FMU.
+    component
+        Name of the component in messages.
+    variable
+        Name of the variable.
+    quantity
+        The value, in the variable's unit.
 
     Returns
     -------
     Value
-        As a user would give it.
+        The value as a user gives it.
 
     Raises
     ------
     SetupError
-        If there is no such variable, it may not be set, or the value does not fit it.
+        If there is no such variable, it must not be set, or the value is of a wrong type or out of range.
     """
     elements = model.elements(component, variable, model.sizes())
     kind = KINDS[model.variables[elements.variable].type]

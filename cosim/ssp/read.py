@@ -1,36 +1,38 @@
-"""Reading system structures and parameter files."""
+"""Read system structures and parameter files."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from cosim.engine.structure import ALGORITHMS, Structure
-from cosim.errors import SetupError
+from cosim.errors import Problems, SetupError, prefixed
 from cosim.fmi.values import Value
 from cosim.ssp import ssd, ssv
 from cosim.ssp.bindings import Bindings
-from cosim.ssp.connections import Connections
+from cosim.ssp.connections import ConnectionGraph
 from cosim.ssp.nodes import Nodes
 from cosim.ssp.package import Package, read_file
-from cosim.ssp.quantities import Hop, Quantity, set_value
+from cosim.ssp.quantities import Quantity, Transfer, check_value
 
 
 def load(path: str | Path, structure: Structure) -> None:
-    """Read a system structure, nested ones flattened: component ``seat`` of system ``cabin`` becomes ``cabin/seat``.
+    """Read a system structure into a flat one.
 
-    What SSP has no place for is read from annotations: the step size from those of the Open Simulation Platform, the
-    exchange from our own; with it, components step in the order of their elements. Start values of connected inputs
-    are passed over, as the initial exchange overrides them, and so are parameters that fit no variable (as the standard
-    says); ``structure.ignored`` names them. Connections from a calculated parameter to a parameter of another
-    component, signal dictionaries as ends of connections, nested ``.ssp`` files and sources elsewhere than in the
-    package are refused.
+    Nested systems are flattened: component ``seat`` of system ``cabin`` becomes ``cabin/seat``. The step size is read
+    from the annotation of the Open Simulation Platform, the algorithm of exchange from this package's own; with the
+    latter, components step in the order of their elements. Start values of connected inputs have no effect, because the
+    initial exchange overrides them. Parameters for variables that do not exist are ignored, as the standard says, and
+    listed in ``structure.ignored``.
+
+    Connections from a calculated parameter to a parameter of another component, signal dictionaries as ends of
+    connections, nested ``.ssp`` files and sources outside the package are not supported.
 
     Parameters
     ----------
     path
         An ``.ssp`` file, or an ``.ssd`` file beside its resources.
     structure
-        What is filled; empty at first.
+        An empty structure, which is filled.
 
     Raises
     ------
@@ -40,19 +42,19 @@ def load(path: str | Path, structure: Structure) -> None:
     package = Package(path)
     description = ssd.read_description(package.description(), str(package.where))
     nodes = Nodes(package, description, structure)
-    connections = Connections(nodes, description.system)
-    connections.connect()
-    bindings = Bindings(nodes, connections, description.system)
-    nodes.attempt(_take_experiment, description, structure)
-    if nodes.problems:
-        raise SetupError(*nodes.problems)
+    graph = ConnectionGraph(nodes, description.system)
+    graph.connect()
+    bindings = Bindings(nodes, graph, description.system)
+    with nodes.collected():
+        _apply_experiment(description, structure)
+    nodes.problems.raise_any()
     structure.name = description.name
-    structure.parameters |= {str(port): value for port, value in bindings.values.items()}
-    structure.ignored = tuple(bindings.notes)
+    structure.parameters |= {str(ref): value for ref, value in bindings.values.items()}
+    structure.ignored = tuple(bindings.ignored)
 
 
-def _take_experiment(description: ssd.Description, structure: Structure) -> None:
-    """Take the times and the exchange; runs begin at 0, so an experiment that does not is left alone."""
+def _apply_experiment(description: ssd.SystemStructureDescription, structure: Structure) -> None:
+    """Set stop time (only if the start time is 0, as that of runs), step size, algorithm and order."""
     experiment = description.experiment
     if experiment is None:
         return
@@ -71,14 +73,14 @@ def _take_experiment(description: ssd.Description, structure: Structure) -> None
 
 
 def read_parameters(path: str | Path, structure: Structure) -> dict[str, Value]:
-    """Read a ``.ssv`` file as parameters of a run.
+    """Read parameters of a run from an ``.ssv`` file.
 
     Parameters
     ----------
     path
         The file; its parameters are named ``component.variable``.
     structure
-        Whose parameters they are: values with a unit are converted to that of the variable.
+        The system; values with a unit are converted to the unit of its variable.
 
     Returns
     -------
@@ -88,22 +90,20 @@ def read_parameters(path: str | Path, structure: Structure) -> dict[str, Value]:
     Raises
     ------
     SetupError
-        With all problems found; a name that fits no variable is one.
+        With all problems found, including names of variables that do not exist.
     """
     values = ssv.read_parameter_set(read_file(Path(path), "a parameter set (.ssv)"), str(path))
     found: dict[str, Value] = {}
-    problems: list[str] = []
+    problems = Problems()
     for parameter in values.parameters:
-        try:
-            port = structure.parse(parameter.name)
-            variable = structure.variable(port)
-            model = structure.models[port.component]
+        with problems.collected(), prefixed(str(path)):
+            ref = structure.parse(parameter.name)
+            variable = structure.variable(ref)
+            model = structure.models[ref.component]
             units = [*(definition.unit for definition in values.units), *model.defined_units]
-            quantity = Quantity.of(parameter.given, units, parameter.name)
+            quantity = Quantity.of(parameter.typed_value, units, parameter.name)
             unit = model.defined_unit(variable)
-            found[parameter.name] = set_value(model, *port, quantity.passed(Hop(), unit, parameter.name))
-        except SetupError as error:
-            problems += [f"{path}: {problem}" for problem in error.problems]
-    if problems:
-        raise SetupError(*problems)
+            quantity = quantity.transferred(Transfer(), unit, parameter.name)
+            found[parameter.name] = check_value(model, *ref, quantity)
+    problems.raise_any()
     return found

@@ -1,7 +1,7 @@
-"""The description of a system as SSP 1.0 has it: what stands in an ``.ssd`` file, as dataclasses that mirror it.
+"""Elements of SSP 1.0 for system structures (``.ssd`` files).
 
-Geometry, icons, annotations of others and the contents of signal dictionaries are passed over on reading; they change
-no result.
+The classes mirror the elements of the standard and have their names. Geometry, icons, unknown annotations and the
+contents of signal dictionaries are ignored on reading; they do not influence results.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from cosim.ssp.ssv import (
 from cosim.ssp.xml import BOOLEAN, REAL, attribute, child, children, read_document, tag
 
 FMU = "application/x-fmu-sharedlibrary"
+"""MIME type of FMUs."""
 
 
 # ---- annotations -----------------------------------------------------------------------------------------------------
@@ -30,7 +31,7 @@ FMU = "application/x-fmu-sharedlibrary"
 
 @dataclass(frozen=True, kw_only=True)
 class FixedStep:
-    """The Open Simulation Platform's fixed step algorithm; the step in s."""
+    """The Open Simulation Platform's fixed step algorithm, with its step size in s."""
 
     base_step_size: float = attribute("baseStepSize", REAL)
 
@@ -51,16 +52,16 @@ class StepSizeHint:
 
 @dataclass(frozen=True, kw_only=True)
 class Exchange:
-    """How components exchange values; of a sequential exchange, the order is that of the elements."""
+    """The package's algorithm of exchange; a sequential exchange has the order of the elements."""
 
     algorithm: str = attribute("algorithm")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Annotation:
-    """What the standard has no place for; None for content of others.
+    """An annotation; the content is None for unknown types.
 
-    The step size stands where the Open Simulation Platform's tools look for it, and there alone.
+    The step size is written to the annotation of the Open Simulation Platform only, where its tools read it.
     """
 
     type: str = attribute("type")
@@ -80,7 +81,7 @@ _ANNOTATIONS = {"ssc:Annotation": Annotation}
 
 @dataclass(frozen=True, kw_only=True)
 class MappingReference:
-    """A mapping in a file, or inline."""
+    """A mapping of parameters in a file, or inline."""
 
     type: str = attribute("type", default=PARAMETER_MAPPING)
     source: str | None = attribute("source", default=None)
@@ -90,7 +91,7 @@ class MappingReference:
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterBinding:
-    """Parameters in a file, or inline, and which names they go to."""
+    """A set of parameters in a file, or inline, bound to an element with a prefix and a mapping."""
 
     type: str = attribute("type", default=PARAMETER_SET)
     source: str | None = attribute("source", default=None)
@@ -108,7 +109,7 @@ _BINDINGS = {"ssd:ParameterBinding": ParameterBinding}
 
 @dataclass(frozen=True, kw_only=True)
 class Type:
-    """A connector's type, with its unit or the name of its enumeration."""
+    """The type of a connector, with its unit or the name of its enumeration."""
 
     kind: str = tag()
     unit: str | None = attribute("unit", default=None)
@@ -126,7 +127,7 @@ class Connector:
 
 @dataclass(frozen=True, kw_only=True)
 class Connection:
-    """Two connectors; an element of None is the system itself. Which of them gives follows from their kinds."""
+    """A connection of two connectors, in either direction; an element of None is the system itself."""
 
     start_element: str | None = attribute("startElement", default=None)
     start_connector: str = attribute("startConnector")
@@ -142,7 +143,7 @@ class Connection:
 
 @dataclass(frozen=True, kw_only=True)
 class Component:
-    """An FMU in its place."""
+    """A component of a system: an FMU with its connectors and parameters."""
 
     name: str = attribute("name")
     type: str = attribute("type", default=FMU)
@@ -155,7 +156,7 @@ class Component:
 
 @dataclass(frozen=True, kw_only=True)
 class SignalDictionaryReference:
-    """A signal dictionary in its place; nothing here looks into one."""
+    """A reference to a signal dictionary, whose content is not read."""
 
     name: str = attribute("name")
     dictionary: str = attribute("dictionary")
@@ -166,7 +167,7 @@ _ELEMENTS: dict[str, type] = {}
 
 @dataclass(frozen=True, kw_only=True)
 class System:
-    """Elements and their connections; itself an element."""
+    """A system of elements and their connections; an element itself."""
 
     name: str = attribute("name")
     connectors: tuple[Connector, ...] = children({"ssd:Connector": Connector}, container="ssd:Connectors")
@@ -184,7 +185,7 @@ _ELEMENTS |= {
 
 @dataclass(frozen=True, kw_only=True)
 class DefaultExperiment:
-    """When to start and to stop, in s, and what the annotations say of the way there."""
+    """The default experiment: start and stop time in s, and annotations for the step size and the exchange."""
 
     start_time: float | None = attribute("startTime", REAL, None)
     stop_time: float | None = attribute("stopTime", REAL, None)
@@ -192,8 +193,8 @@ class DefaultExperiment:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Description:
-    """What stands in an ``.ssd`` file."""
+class SystemStructureDescription:
+    """The description of a system, the root of an ``.ssd`` file."""
 
     ROOT: ClassVar[str] = "ssd:SystemStructureDescription"
 
@@ -206,19 +207,24 @@ class Description:
     experiment: DefaultExperiment | None = child({"ssd:DefaultExperiment": DefaultExperiment})
 
 
-def read_description(data: bytes, where: str) -> Description:
-    """Read an ``.ssd`` file.
+def read_description(data: bytes, where: str) -> SystemStructureDescription:
+    """Read the description of a system from an ``.ssd`` file.
 
     Parameters
     ----------
     data
-        Its bytes.
+        The bytes of the file.
     where
-        What to call it in messages.
+        Name of the file in messages.
+
+    Returns
+    -------
+    SystemStructureDescription
+        The content of the file.
 
     Raises
     ------
     SetupError
-        If it is none, of another version, or against the schema.
+        If the file is of another kind or version, or violates the schema.
     """
-    return read_document(Description, data, where)
+    return read_document(SystemStructureDescription, data, where)

@@ -1,4 +1,7 @@
-"""Parameters and their mappings as SSP 1.0 has them, in ``.ssv`` and ``.ssm`` files or inline, and what all share."""
+"""Elements of SSP 1.0 for parameters and mappings (``.ssv`` and ``.ssm`` files), and those shared with ``.ssd`` files.
+
+The classes mirror the elements of the standard and have their names.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +10,24 @@ from typing import ClassVar
 
 from cosim.fmi.values import Value
 from cosim.ssp.xml import BOOLEAN, INTEGER, REAL, attribute, child, children, read_document, tag
-from cosim.units import IDENTITY, Linear, Unit
+from cosim.units import BASE_UNITS, IDENTITY, Linear, Unit
 
 KINDS = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
-"""Types of connectors and parameters, as their elements are called."""
+"""Types of connectors and parameters: the names of their elements."""
 
 VERSION = "1.0"
+"""Version of SSP that is written."""
 
 PARAMETER_SET = "application/x-ssp-parameter-set"
+"""MIME type of ``.ssv`` files."""
+
 PARAMETER_MAPPING = "application/x-ssp-parameter-mapping"
+"""MIME type of ``.ssm`` files."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BaseUnit:
-    """What a unit is made of: exponents of the base units, factor and offset to them."""
+    """A unit in base units: exponents, factor and offset."""
 
     kg: int = attribute("kg", INTEGER, 0)
     m: int = attribute("m", INTEGER, 0)
@@ -36,23 +43,21 @@ class BaseUnit:
 
 @dataclass(frozen=True, kw_only=True)
 class UnitDefinition:
-    """A unit by name."""
+    """A unit with its name and definition."""
 
     name: str = attribute("name")
     base: BaseUnit = child({"ssc:BaseUnit": BaseUnit})
 
     @property
     def unit(self) -> Unit:
-        """The same as the rest of this package knows it."""
-        b = self.base
-        return Unit(self.name, (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad), b.factor, b.offset)
+        """The unit as the other packages represent it."""
+        return Unit.from_base_unit(self.name, self.base)
 
     @classmethod
     def of(cls, unit: Unit) -> UnitDefinition:
-        """Define a unit."""
-        kg, m, s, A, K, mol, cd, rad = unit.exponents
-        base = BaseUnit(kg=kg, m=m, s=s, A=A, K=K, mol=mol, cd=cd, rad=rad, factor=unit.factor, offset=unit.offset)
-        return cls(name=unit.name, base=base)
+        """Return the definition of a unit."""
+        exponents = dict(zip(BASE_UNITS, unit.exponents, strict=True))
+        return cls(name=unit.name, base=BaseUnit(**exponents, factor=unit.factor, offset=unit.offset))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +70,7 @@ class Item:
 
 @dataclass(frozen=True, kw_only=True)
 class Enumeration:
-    """An enumeration by name."""
+    """An enumeration with its name and items."""
 
     name: str = attribute("name")
     items: tuple[Item, ...] = children({"ssc:Item": Item})
@@ -73,7 +78,7 @@ class Enumeration:
 
 @dataclass(frozen=True, kw_only=True)
 class MapEntry:
-    """One line of a table of values."""
+    """An entry of a mapping transformation: the value ``source`` becomes ``target``."""
 
     source: str = attribute("source")
     target: str = attribute("target")
@@ -81,7 +86,7 @@ class MapEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class Transformation:
-    """What happens to a value after units were converted: linear, or a table from value to value."""
+    """A transformation of values, applied after the conversion of units: linear, or a table of values."""
 
     kind: str = tag()
     factor: float = attribute("factor", REAL, 1.0)
@@ -92,12 +97,18 @@ class Transformation:
 
     @property
     def linear(self) -> Linear | None:
-        """The linear transformation; None if it is a table."""
+        """The linear transformation; None for a table."""
         return Linear(self.factor, self.offset) if self.kind == self.LINEAR else None
 
     @classmethod
     def of(cls, linear: Linear) -> Transformation | None:
-        """Write down a linear transformation; the identity needs none."""
+        """Return the element for a linear transformation; None for the identity.
+
+        Parameters
+        ----------
+        linear
+            The transformation.
+        """
         return None if linear == IDENTITY else cls(kind=cls.LINEAR, factor=linear.factor, offset=linear.offset)
 
 
@@ -110,15 +121,15 @@ TRANSFORMATIONS: dict[str, type] = {
         "EnumerationMappingTransformation",
     )
 }
-"""Element to what describes it."""
+"""Element of each kind of transformation to its class."""
 
 
 # ---- parameters ------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)
-class Given:
-    """A parameter's value as it is written."""
+class TypedValue:
+    """The value of a parameter with its type, as it is written."""
 
     kind: str = tag()
     text: str = attribute("value")
@@ -127,7 +138,7 @@ class Given:
 
     @property
     def value(self) -> Value:
-        """The value: a number, a Boolean or a text."""
+        """The value as a number, a Boolean or a text."""
         codec = {"Real": REAL, "Integer": INTEGER, "Boolean": BOOLEAN}.get(self.kind)
         value: Value = codec.read(self.text) if codec else self.text
         return value
@@ -135,16 +146,16 @@ class Given:
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """A parameter by name."""
+    """A parameter with its name and value."""
 
     name: str = attribute("name")
     description: str | None = attribute("description", default=None)
-    given: Given = child({f"ssv:{kind}": Given for kind in KINDS})
+    typed_value: TypedValue = child({f"ssv:{kind}": TypedValue for kind in KINDS})
 
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterSet:
-    """What stands in a ``.ssv`` file."""
+    """A set of parameters, the root of an ``.ssv`` file."""
 
     ROOT: ClassVar[str] = "ssv:ParameterSet"
 
@@ -158,7 +169,7 @@ class ParameterSet:
 
 @dataclass(frozen=True, kw_only=True)
 class MappingEntry:
-    """To which parameter the value of another name goes, and how it is transformed."""
+    """Maps the parameter ``source`` of a set to the parameter ``target`` of an element, with a transformation."""
 
     source: str = attribute("source")
     target: str = attribute("target")
@@ -168,7 +179,7 @@ class MappingEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterMapping:
-    """What stands in a ``.ssm`` file."""
+    """A mapping of parameters, the root of an ``.ssm`` file."""
 
     ROOT: ClassVar[str] = "ssm:ParameterMapping"
 
@@ -177,23 +188,46 @@ class ParameterMapping:
 
 
 def read_parameter_set(data: bytes, where: str) -> ParameterSet:
-    """Read a ``.ssv`` file.
+    """Read a set of parameters from an ``.ssv`` file.
 
     Parameters
     ----------
     data
-        Its bytes.
+        The bytes of the file.
     where
-        What to call it in messages.
+        Name of the file in messages.
+
+    Returns
+    -------
+    ParameterSet
+        The content of the file.
 
     Raises
     ------
     SetupError
-        If it is none, of another version, or against the schema.
+        If the file is of another kind or version, or violates the schema.
     """
     return read_document(ParameterSet, data, where)
 
 
 def read_parameter_mapping(data: bytes, where: str) -> ParameterMapping:
-    """Read a ``.ssm`` file; as :func:`read_parameter_set`."""
+    """Read a mapping of parameters from an ``.ssm`` file.
+
+    Parameters
+    ----------
+    data
+        The bytes of the file.
+    where
+        Name of the file in messages.
+
+    Returns
+    -------
+    ParameterMapping
+        The content of the file.
+
+    Raises
+    ------
+    SetupError
+        If the file is of another kind or version, or violates the schema.
+    """
     return read_document(ParameterMapping, data, where)

@@ -1,4 +1,4 @@
-"""Writing system structures."""
+"""Write system structures and parameter files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from fmpy.model_description import ModelVariable
 from cosim.engine.network import Connection, VariableRef
 from cosim.engine.structure import Structure
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.values import KINDS, Value
+from cosim.fmi.values import Value
+from cosim.fmi.variable_types import KINDS
 from cosim.ssp import ssd, ssv
 from cosim.ssp.nodes import connector_kind
 from cosim.ssp.package import DESCRIPTION
@@ -21,12 +22,12 @@ from cosim.units import IDENTITY, Unit
 
 
 def package_contents(structure: Structure) -> dict[str, bytes]:
-    """Write a system structure with all it needs.
+    """Return the contents of an ``.ssp`` file for a system: the description and the FMUs.
 
     Parameters
     ----------
     structure
-        What is described; its components stand in their order of exchange.
+        The system; its components are written in the order in which they step.
 
     Returns
     -------
@@ -42,7 +43,7 @@ def package_contents(structure: Structure) -> dict[str, bytes]:
             file = f"resources/{name.replace('/', '-')}.fmu"
         sources[name] = file
         resources[file] = content
-    return {DESCRIPTION: write_document(_describe(structure, sources)), **resources}
+    return {DESCRIPTION: write_document(_description(structure, sources)), **resources}
 
 
 def parameter_set(
@@ -52,35 +53,40 @@ def parameter_set(
     description: str | None = None,
     sources: Mapping[str, str] | None = None,
 ) -> bytes:
-    """Write parameters as a ``.ssv`` file that :func:`cosim.ssp.read_parameters` reads back.
+    """Return the content of an ``.ssv`` file that :func:`cosim.ssp.read_parameters` reads.
 
     Parameters
     ----------
     structure
-        Whose parameters they are; values are in the units of its variables, which stand in the file.
+        The system.
     name
-        Of the set.
+        Name of the set.
     parameters
-        ``component.variable`` to value.
+        ``component.variable`` to value, in the unit of the variable, which is written to the file.
     description
-        Of the set.
+        Description of the set.
     sources
-        ``component.variable`` to where the value comes from.
+        ``component.variable`` to the source of its value, which becomes the parameter's description.
+
+    Returns
+    -------
+    bytes
+        The same arguments give the same bytes.
 
     Raises
     ------
     SetupError
-        If there is no such variable, or a value does not fit it.
+        If a variable does not exist, or a value is of a wrong type or out of range.
     """
     units: dict[str, Unit] = {}
     written = []
     for key, value in parameters.items():
-        port = structure.parse(key)
-        variable, model = structure.variable(port), structure.models[port.component]
-        given, unit = _given(model, port, value), model.defined_unit(variable)
-        if given.kind == "Real" and unit is not None:
-            given, units[unit.name] = replace(given, unit=unit.name), unit
-        written.append(ssv.Parameter(name=key, description=(sources or {}).get(key), given=given))
+        ref = structure.parse(key)
+        variable, model = structure.variable(ref), structure.models[ref.component]
+        typed_value, unit = _typed_value(model, ref, value), model.defined_unit(variable)
+        if typed_value.kind == "Real" and unit is not None:
+            typed_value, units[unit.name] = replace(typed_value, unit=unit.name), unit
+        written.append(ssv.Parameter(name=key, description=(sources or {}).get(key), typed_value=typed_value))
     return write_document(
         ssv.ParameterSet(
             version=ssv.VERSION,
@@ -92,11 +98,11 @@ def parameter_set(
     )
 
 
-def _describe(structure: Structure, sources: dict[str, str]) -> ssd.Description:
+def _description(structure: Structure, sources: dict[str, str]) -> ssd.SystemStructureDescription:
     units = _units(structure)
     components = [_component(structure, name, sources[name], units) for name in structure.order]
-    connections = [_connection(structure, sink, feed) for sink, feed in structure.connections.items()]
-    return ssd.Description(
+    connections = [_connection(structure, sink, connection) for sink, connection in structure.connections.items()]
+    return ssd.SystemStructureDescription(
         version=ssv.VERSION,
         name=structure.name,
         generation_tool=f"seat-cosim {version('seat-cosim')}",
@@ -107,18 +113,18 @@ def _describe(structure: Structure, sources: dict[str, str]) -> ssd.Description:
 
 
 def _units(structure: Structure) -> dict[str, Unit]:
-    """Collect the units of all connectors; of two by one name, the first."""
+    """Return the units of all connectors by name; of two with one name, the first."""
     units: dict[str, Unit] = {}
     for model in structure.models.values():
-        for variable in _connected(model):
+        for variable in _connectable(model):
             unit = model.defined_unit(variable)
             if unit is not None:
                 units.setdefault(unit.name, unit)
     return units
 
 
-def _connected(model: ModelDescription) -> list[ModelVariable]:
-    """List the variables that get a connector: all that can be connected."""
+def _connectable(model: ModelDescription) -> list[ModelVariable]:
+    """Return the variables that get a connector: all inputs and outputs of types that SSP has."""
     return [v for v in model.variables.values() if v.causality in ("input", "output") and KINDS[v.type] in ssv.KINDS]
 
 
@@ -130,7 +136,7 @@ def _component(structure: Structure, name: str, source: str, units: Mapping[str,
         name=name,
         source=quote(source),
         connectors=tuple(
-            ssd.Connector(name=v.name, kind=connector_kind(v), type=_type(model, v, units)) for v in _connected(model)
+            ssd.Connector(name=v.name, kind=connector_kind(v), type=_type(model, v, units)) for v in _connectable(model)
         ),
         bindings=_bindings(structure, name),
         annotations=tuple(ssd.Annotation(type=ssd.Annotation.OSP, content=content) for content in hint),
@@ -138,7 +144,10 @@ def _component(structure: Structure, name: str, source: str, units: Mapping[str,
 
 
 def _type(model: ModelDescription, variable: ModelVariable, units: Mapping[str, Unit]) -> ssd.Type | None:
-    """Describe a variable's type; enumerations and units of a name that is taken are left to the FMU."""
+    """Return the type of a variable's connector.
+
+    Enumerations are not described, and no unit whose name belongs to another unit: the FMU describes them.
+    """
     kind = KINDS[variable.type]
     unit = model.defined_unit(variable)
     name = unit.name if unit is not None and unit in units.values() else None
@@ -146,45 +155,47 @@ def _type(model: ModelDescription, variable: ModelVariable, units: Mapping[str, 
 
 
 def _bindings(structure: Structure, component: str) -> tuple[ssd.ParameterBinding, ...]:
-    """Bind a component's parameters at the component itself, where all tools look."""
+    """Return the binding of a component's parameters at the component itself, which all tools read."""
     model = structure.models[component]
-    ports = {structure.parse(name): value for name, value in structure.parameters.items()}
-    given = tuple(
-        ssv.Parameter(name=port.variable, given=_given(model, port, value))
-        for port, value in ports.items()
-        if port.component == component
+    refs = {structure.parse(name): value for name, value in structure.parameters.items()}
+    parameters = tuple(
+        ssv.Parameter(name=ref.variable, typed_value=_typed_value(model, ref, value))
+        for ref, value in refs.items()
+        if ref.component == component
     )
-    values = ssv.ParameterSet(version=ssv.VERSION, name="parameters", parameters=given)
-    return (ssd.ParameterBinding(values=values),) if given else ()
+    values = ssv.ParameterSet(version=ssv.VERSION, name="parameters", parameters=parameters)
+    return (ssd.ParameterBinding(values=values),) if parameters else ()
 
 
-def _given(model: ModelDescription, port: VariableRef, value: Value) -> ssv.Given:
-    """Write down a parameter's value."""
-    elements = model.elements(*port, model.sizes())
+def _typed_value(model: ModelDescription, ref: VariableRef, value: Value) -> ssv.TypedValue:
+    """Check a parameter's value and return its element."""
+    elements = model.elements(*ref, model.sizes())
     variable = model.variables[elements.variable]
-    kind, checked = KINDS[variable.type], model.value(port.component, elements, value)
+    kind, checked = KINDS[variable.type], model.value(ref.component, elements, value)
     if isinstance(checked, str):
-        return ssv.Given(kind="String", text=checked)
-    if kind == "Enumeration":
-        assert isinstance(checked, float)
-        items = {float(item.value): str(item.name) for item in variable.declaredType.items}
-        return ssv.Given(kind=kind, text=items[checked])
+        return ssv.TypedValue(kind="String", text=checked)
     assert isinstance(checked, float)
+    if kind == "Enumeration":
+        items = {float(item.value): str(item.name) for item in variable.declaredType.items}
+        return ssv.TypedValue(kind=kind, text=items[checked])
     codecs = {"Real": REAL, "Integer": INTEGER, "Boolean": BOOLEAN}
-    return ssv.Given(kind=kind, text=codecs[kind].write(int(checked) if kind == "Integer" else checked))
+    return ssv.TypedValue(kind=kind, text=codecs[kind].write(int(checked) if kind == "Integer" else checked))
 
 
-def _connection(structure: Structure, sink: VariableRef, feed: Connection) -> ssd.Connection:
-    """Write down a connection, its conversion of units as a transformation: not all tools convert units."""
-    source = feed.source
+def _connection(structure: Structure, sink: VariableRef, connection: Connection) -> ssd.Connection:
+    """Return the element of a connection.
+
+    The conversion of units is written as a transformation, because some tools do not convert units.
+    """
+    source = connection.source
     units = structure.conversion(source, sink)
     return ssd.Connection(
         start_element=source.component,
         start_connector=source.variable,
         end_element=sink.component,
         end_connector=sink.variable,
-        suppress_unit_conversion=not feed.convert_units or units.transformation != IDENTITY,
-        transformation=ssv.Transformation.of(feed.transformation),
+        suppress_unit_conversion=not connection.convert_units or units.transformation != IDENTITY,
+        transformation=ssv.Transformation.of(connection.transformation),
     )
 
 

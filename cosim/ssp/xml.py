@@ -1,7 +1,7 @@
-"""Dataclasses as XML: each field says where its value stands; one reader and one writer serve all of them.
+"""Read and write dataclasses as XML; each field declares the attribute or element that holds its value.
 
-Reading and writing are each other's inverse by construction. What no field asks for is passed over, but only where the
-schema allows it: a document is validated before it is read, so that a misspelt element cannot get lost in silence.
+One reader and one writer serve all classes, so that reading is the inverse of writing. Elements without a field are
+ignored. A document is validated against the schema before it is read, so that a misspelt element is an error.
 """
 
 from __future__ import annotations
@@ -26,33 +26,45 @@ NAMESPACES = {
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
     "exchange": "urn:seat-cosim:exchange",
 }
-"""By the prefix that is written; there are readers that know elements by prefix alone."""
+"""Prefix in written documents to namespace; some readers recognize elements by prefix only."""
 
 _SCHEMAS = {
     "ssd:SystemStructureDescription": "SystemStructureDescription",
     "ssv:ParameterSet": "SystemStructureParameterValues",
     "ssm:ParameterMapping": "SystemStructureParameterMapping",
 }
-"""Root of a document, or of one embedded in another, to its schema."""
+"""Root element of a document, on its own or inside another one, to the name of its schema."""
 
 
 class Document(Protocol):
     """A dataclass that describes a whole document."""
 
     ROOT: ClassVar[str]
+    """Root element as ``prefix:name``."""
 
 
 D = TypeVar("D", bound=Document)
+"""The dataclass that is read."""
 
 
 def _qualified(name: str) -> str:
-    """Turn ``prefix:name`` into lxml's ``{namespace}name``."""
+    """Convert ``prefix:name`` to lxml's ``{namespace}name``."""
     prefix, _, local = name.partition(":")
     return f"{{{NAMESPACES[prefix]}}}{local}"
 
 
 class Codec(NamedTuple):
-    """How a value stands in an attribute."""
+    """Conversion between a value and the text of an attribute.
+
+    Attributes
+    ----------
+    expected
+        Name of the type in messages.
+    read
+        Converts a text to the value; raises KeyError or ValueError for an invalid text.
+    write
+        Converts a value to the text.
+    """
 
     expected: str
     read: Callable[[str], Any]
@@ -69,11 +81,11 @@ INTEGER = Codec("a whole number", int, str)
 BOOLEAN = Codec("true or false", _read_boolean, lambda value: "true" if value else "false")
 
 
-# ---- where a field's value stands ------------------------------------------------------------------------------------
+# ---- declarations of fields -----------------------------------------------------------------------------------------
 
 
 class _MalformedError(Exception):
-    """What is wrong with an element that no schema checks, and its line."""
+    """A problem of an element that no schema checks; the message begins with its line."""
 
     def __init__(self, element: Any, problem: str) -> None:
         super().__init__(f"line {element.sourceline}: {problem}")
@@ -86,7 +98,7 @@ class _Tag:
         return str(etree.QName(element).localname)
 
     def write(self, element: Any, value: str) -> None:
-        """Nothing: the element was made with that name."""
+        """Do nothing: the element was created with that name."""
 
 
 @dataclass(frozen=True)
@@ -140,30 +152,63 @@ class _Children:
 
 
 def tag() -> Any:
-    """Declare a field ``kind`` that holds the element's own name, for a class that serves several elements."""
+    """Declare a field ``kind`` that holds the name of the element, for a class that describes several elements."""
     return field(metadata={"part": _Tag()})
 
 
 def attribute(name: str, codec: Codec = TEXT, default: Any = MISSING) -> Any:
-    """Declare a field that stands in an attribute; not written where it is the default."""
+    """Declare a field that is an attribute.
+
+    Parameters
+    ----------
+    name
+        Name of the attribute.
+    codec
+        Conversion of its value.
+    default
+        Value where the attribute is absent; it is not written. Without it, the attribute is required.
+
+    Returns
+    -------
+    dataclass field
+        The declaration.
+    """
     return field(metadata={"part": _Attribute(name, codec, default)}, default=default)
 
 
 def child(types: Mapping[str, type], container: str | None = None) -> Any:
-    """Declare a field that is an element of its own, or None.
+    """Declare a field that is a child element, or None.
 
     Parameters
     ----------
     types
-        ``prefix:name`` of an element to the dataclass that describes it.
+        Element as ``prefix:name`` to the dataclass that describes it.
     container
-        The element around it, if any.
+        The element between parent and child, if any.
+
+    Returns
+    -------
+    dataclass field
+        The declaration.
     """
     return field(metadata={"part": _Children(types, container, single=True)}, default=None)
 
 
 def children(types: Mapping[str, type], container: str | None = None) -> Any:
-    """Declare a field that is a tuple of elements; parameters as those of :func:`child`."""
+    """Declare a field that is a tuple of child elements.
+
+    Parameters
+    ----------
+    types
+        Element as ``prefix:name`` to the dataclass that describes it.
+    container
+        The element between parent and children, if any.
+
+    Returns
+    -------
+    dataclass field
+        The declaration.
+    """
     return field(metadata={"part": _Children(types, container, single=False)}, default=())
 
 
@@ -181,15 +226,15 @@ def _write(value: Any, element: Any) -> None:
 
 @cache
 def _schema(name: str) -> Any:
-    """Load one of the standard's schemas, which come with fmpy."""
+    """Load a schema of the standard, which fmpy includes."""
     spec = find_spec("fmpy")
     assert spec is not None
     assert spec.origin is not None
     return etree.XMLSchema(file=str(Path(spec.origin).parent / "ssp" / "schema" / f"{name}.xsd"))
 
 
-def _against_schema(root: Any) -> str | None:
-    """Say what the standard's schemas have against a document or one embedded in it; None if nothing."""
+def _schema_problem(root: Any) -> str | None:
+    """Return the first violation of the schemas by a document and those inside it; None if they are valid."""
     for name, schema in _SCHEMAS.items():
         for element in root.iter(_qualified(name)):
             if not _schema(schema).validate(element):
@@ -202,21 +247,26 @@ def _against_schema(root: Any) -> str | None:
 
 
 def read_document(cls: type[D], data: bytes, where: str) -> D:
-    """Read a document.
+    """Read and validate a document.
 
     Parameters
     ----------
     cls
-        The dataclass that describes it.
+        The dataclass that describes the document.
     data
         Its bytes.
     where
-        What to call it in messages.
+        Name of the document in messages.
+
+    Returns
+    -------
+    D
+        An instance of ``cls``.
 
     Raises
     ------
     SetupError
-        If it is no XML, another document, of another version, or against the schema.
+        If the data are not well-formed XML, or the document is of another kind or version, or violates the schema.
     """
     root = parse(data, where, remove_comments=True, remove_pis=True)
     if root.tag != _qualified(cls.ROOT):
@@ -224,8 +274,8 @@ def read_document(cls: type[D], data: bytes, where: str) -> D:
     version = root.get("version", "none")
     if not version.startswith("1."):
         raise SetupError(f"{where}: expected version 1.0, got {version}")
-    if problem := _against_schema(root):
-        raise SetupError(f"{where}: expected what the schema of SSP 1.0 allows, got {problem}")
+    if problem := _schema_problem(root):
+        raise SetupError(f"{where}: expected a document that is valid against the schema of SSP 1.0, got {problem}")
     try:
         document: D = _read(cls, root)
     except _MalformedError as error:
@@ -234,7 +284,13 @@ def read_document(cls: type[D], data: bytes, where: str) -> D:
 
 
 def write_document(document: Document) -> bytes:
-    """Write a document: UTF-8, without dates, the same content in the same bytes."""
+    """Return a document as UTF-8 encoded XML; the same content gives the same bytes.
+
+    Parameters
+    ----------
+    document
+        An instance of a dataclass that describes a document.
+    """
     root = etree.Element(_qualified(document.ROOT), nsmap=NAMESPACES)
     _write(document, root)
     etree.cleanup_namespaces(root)

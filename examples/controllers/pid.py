@@ -1,4 +1,4 @@
-"""A PID controller of the seat's acceleration with the ports of SeatController; its setpoint is rest."""
+"""PID controller of the seat acceleration with the inputs and outputs of SeatController; its setpoint is 0."""
 
 import math
 
@@ -8,8 +8,9 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 class Pid(Fmi2Slave):
     """Force -M (p a + i v + d a'), with a the filtered acceleration of the seat, v its integral, M driver and seat.
 
-    The integral leaks below a corner frequency, so the accelerometer's offset becomes a constant force, not a growing
-    one. The filter is there for the proportional part: at high frequencies the actuator moves the seat frame alone.
+    The integral has a leak below a corner frequency, so an offset of the accelerometer causes a constant force, not a
+    growing one. The filter limits the proportional part at high frequencies, where the actuator moves the seat frame
+    without the driver.
     """
 
     def __init__(self, **kwargs):
@@ -22,8 +23,8 @@ class Pid(Fmi2Slave):
         self.p = 0.939  # 1; tuned, with the four below, by studies/tune_baselines.py
         self.i = 50.3  # 1/s
         self.d = 0.0138  # s
-        self.bandwidth = 0.797  # Hz, of the filter
-        self.corner = 0.873  # Hz, of the leak
+        self.bandwidth = 0.797  # Hz, corner frequency of the filter
+        self.corner = 0.873  # Hz, corner frequency of the leak
         self.filtered = 0.0
         self.integral = 0.0
         self.samples = 0

@@ -1,4 +1,4 @@
-"""A skyhook controller with the ports of SeatController: a damper between the seat and the sky."""
+"""Skyhook controller with the inputs and outputs of SeatController: a virtual damper to an inertial frame."""
 
 import math
 
@@ -8,7 +8,8 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 class Skyhook(Fmi2Slave):
     """Force -M s v, with v the seat's acceleration integrated above a corner frequency, and M driver and seat.
 
-    Below the corner the integral leaks, so the accelerometer's offset becomes a constant force, not a growing one.
+    The integral has a leak below the corner frequency, so an offset of the accelerometer causes a constant force, not a
+    growing one.
     """
 
     def __init__(self, **kwargs):

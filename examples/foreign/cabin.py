@@ -1,4 +1,4 @@
-"""A cabin that crosses a kerb: tells its floor's displacement, in millimetres, as pythonfmu lets it."""
+"""A cabin that crosses a kerb; pythonfmu, output: displacement of the floor in mm, without a unit."""
 
 import math
 
@@ -6,7 +6,7 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
 
 class Cabin(Fmi2Slave):
-    """A kerb with ramps, as a cabin on soft mounts passes it on: x'' + 2 D w x' + w^2 (x - kerb) = 0."""
+    """Motion of a cabin on soft mounts over a kerb with ramps: x'' + 2 D w x' + w^2 (x - kerb) = 0."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -20,7 +20,7 @@ class Cabin(Fmi2Slave):
         self.register_variable(Real("z", causality=Fmi2Causality.output))
 
     def road(self, time):
-        """Height of the road in mm: up over 0.2 s, one second on top, down again."""
+        """Return the height of the road in mm at a time in s: up over 0.2 s, one second on top, down over 0.2 s."""
         ramp = min(max(time - 0.2, 0.0), 0.2) - min(max(time - 1.4, 0.0), 0.2)
         return 0.5 * self.kerb * (1.0 - math.cos(math.pi * ramp / 0.2))
 

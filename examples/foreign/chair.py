@@ -1,10 +1,10 @@
-"""Another seat: one mass on a spring and a damper, with the names and units of its maker, as pythonfmu3 lets it."""
+"""A seat with one mass on a spring and a damper; pythonfmu3, other names, deflection in mm."""
 
 from pythonfmu3 import CoSimulation, Float64, Fmi3Causality, Fmi3SlaveBase, Fmi3StepResult, Fmi3Variability, Unit
 
 
 class Chair(Fmi3SlaveBase, CoSimulation):
-    """m x'' = -k (x - floor) - c (x' - floor') + F."""
+    """Seat with m x'' = -k (x - floor) - c (x' - floor') + F."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)

@@ -1,4 +1,4 @@
-"""A skyhook controller: a damper between the seat and the sky, from the seat's acceleration, as pythonfmu lets it."""
+"""A skyhook controller: a virtual damper to an inertial frame; pythonfmu, other names, no units."""
 
 import math
 
@@ -6,7 +6,7 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
 
 class Skyhook(Fmi2Slave):
-    """F = -c v, with v the seat's acceleration integrated over everything above a corner frequency."""
+    """Force F = -c v, with v the seat acceleration integrated above a corner frequency."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)

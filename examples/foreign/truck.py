@@ -1,4 +1,4 @@
-"""The floor of a truck's cabin: tells its acceleration alone, in g, with its unit, as pythonfmu3 lets it."""
+"""The floor of a truck's cabin; pythonfmu3, output: acceleration in g, with its unit."""
 
 import math
 
@@ -6,7 +6,7 @@ from pythonfmu3 import CoSimulation, Float64, Fmi3Causality, Fmi3SlaveBase, Fmi3
 
 
 class Truck(Fmi3SlaveBase, CoSimulation):
-    """Sways of two frequencies that begin and end softly: nothing is left of them when they are integrated twice."""
+    """Vibration at two frequencies that fades in and out; its double integral ends at zero."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)

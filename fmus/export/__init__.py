@@ -1,1 +1,1 @@
-"""How a component becomes an FMU file: description, C header, documentation, binaries, archive."""
+"""Export of a component as an FMU file: model description, C headers, documentation, binaries, archive."""

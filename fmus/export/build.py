@@ -1,4 +1,4 @@
-"""Build the FMUs: collect what a component needs, derive its GUID from that, hand it to the flavour's builder."""
+"""Build of FMUs in all flavours; an FMU with unchanged content is not built again."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from cosim.fmi.archive import read_archive, write_archive
 from fmus import FLAVOURS
 from fmus.component import Component, DefaultExperiment
-from fmus.export.fmu_file import BuildError, Built, guid_of
+from fmus.export.fmu_file import BuildError, BuildResult, guid_of
 from fmus.export.model_description import content_guid, model_description, to_xml
 from fmus.export.native_fmu import PLATFORMS, STANDARDS, build_library, build_native_fmu, host_platform
 from fmus.export.sources import source_files
@@ -23,7 +23,7 @@ __all__ = [
     "FLAVOURS",
     "PLATFORMS",
     "BuildError",
-    "Built",
+    "BuildResult",
     "build",
     "build_library",
     "build_python_fmu",
@@ -35,22 +35,27 @@ _MAIN_SCRIPT = Path(__file__).parents[1] / "pythonfmu" / "main_script.py"
 
 
 def _attribute(component: Component) -> str:
-    """Find the name under which a component stands in its module."""
+    """Return the name of a component in its module."""
     module = sys.modules[component.module]
     return next(name for name, value in vars(module).items() if value is component)
 
 
-def build_python_fmu(component: Component, experiment: DefaultExperiment, folder: Path) -> Built:
-    """Build a component as a pythonfmu FMU, unless the same one lies there already.
+def build_python_fmu(component: Component, experiment: DefaultExperiment, folder: Path) -> BuildResult:
+    """Build a component as a pythonfmu FMU, unless the folder has one of the same content.
 
     Parameters
     ----------
     component
-        What to build.
+        Component to build.
     experiment
-        What its description recommends.
+        Default experiment of the model description.
     folder
-        Where ``<name>.fmu`` goes; made where it does not exist.
+        Folder for ``<name>.fmu``; created if it does not exist.
+
+    Returns
+    -------
+    BuildResult
+        Path of the FMU and whether it was built.
 
     Raises
     ------
@@ -67,10 +72,10 @@ def build_python_fmu(component: Component, experiment: DefaultExperiment, folder
     )
     target = folder / f"{component.name}.fmu"
     if guid_of(target) == guid:
-        return Built(target, fresh=False)
+        return BuildResult(target, fresh=False)
     with tempfile.TemporaryDirectory(prefix="seat-cosim-") as temporary:
         stage = Path(temporary)
-        main = stage / f"{component.name}_{guid.strip('{}').replace('-', '')}.py"  # see slave_script.py
+        main = stage / f"{component.name}_{guid.strip('{}').replace('-', '')}.py"  # see main_script.py
         main.write_bytes(script)
         for name, path in sources.items():
             (stage / "model" / name).parent.mkdir(parents=True, exist_ok=True)
@@ -83,7 +88,7 @@ def build_python_fmu(component: Component, experiment: DefaultExperiment, folder
         }
         (stage / "component.json").write_text(json.dumps(identity, indent=2) + "\n", encoding="utf-8")
         command = [sys.executable, "-m", "pythonfmu", "build", "--file", str(main), "--dest", str(stage / "built")]
-        command += ["--handle-state", "--serialize-state"]  # the builder overwrites the description's capabilities
+        command += ["--handle-state", "--serialize-state"]  # the builder overwrites these capabilities
         command += [str(stage / "model"), str(stage / "component.json")]
         for name, content in component.resources().items():
             (stage / name).write_bytes(content)
@@ -93,7 +98,7 @@ def build_python_fmu(component: Component, experiment: DefaultExperiment, folder
         if run.returncode or not built.exists():
             raise BuildError(f"{component.name}: pythonfmu ended with {run.returncode}: {run.stderr.strip()[-500:]}")
         write_archive(target, read_archive(built))
-    return Built(target, fresh=True)
+    return BuildResult(target, fresh=True)
 
 
 def build(
@@ -102,27 +107,31 @@ def build(
     folder: Path,
     flavours: Sequence[str] = FLAVOURS,
     platforms: Sequence[str] = (),
-) -> Iterator[Built]:
+) -> Iterator[BuildResult]:
     """Build components in the given flavours, one after the other.
 
     Parameters
     ----------
     components
-        What to build.
+        Components to build.
     experiment
-        What their descriptions recommend.
+        Default experiment of the model descriptions.
     folder
-        Each flavour's FMUs go to the subfolder of its name.
+        Folder for the FMUs; each flavour has the subfolder of its name.
     flavours
         Names from :data:`FLAVOURS`.
     platforms
-        For which platforms native FMUs are built, see :data:`fmus.export.native_fmu.PLATFORMS`; the host's where none
-        is given.
+        Platforms of native FMUs, names from :data:`fmus.export.native_fmu.PLATFORMS`; the host's if empty.
 
     Yields
     ------
-    Built
-        As soon as it is there.
+    BuildResult
+        Result of each FMU when it is complete.
+
+    Raises
+    ------
+    BuildError
+        If a compiler or builder is missing or fails, or a platform is unknown.
     """
     for flavour in flavours:
         for component in components:

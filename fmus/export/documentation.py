@@ -1,4 +1,4 @@
-"""The HTML page in a native FMU: what it is, its ports, its equations, how to run it."""
+"""HTML documentation in a native FMU: description, variables, equations, an example."""
 
 from __future__ import annotations
 
@@ -31,14 +31,19 @@ print(result.dtype.names, result[-1])"""
 
 
 def page(component: Component, experiment: DefaultExperiment) -> str:
-    """Write a component's page.
+    """Return the page of a component.
 
     Parameters
     ----------
     component
-        Which; its equations are its module's own text.
+        Component to describe; the docstring of its module has the equations.
     experiment
-        What is recommended.
+        Default experiment.
+
+    Returns
+    -------
+    str
+        HTML text.
     """
     equations = str(sys.modules[component.module].__doc__).strip()
     return f"""<!DOCTYPE html>

@@ -1,4 +1,4 @@
-"""Built FMU files: recognised by their GUID, and copied out of an installed wheel."""
+"""Built FMU files: result of a build, GUID of a file, export from an installed wheel."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from pathlib import Path
 import fmpy
 
 CARRIED = Path(__file__).parents[1] / "built"
-"""Where a wheel carries built FMUs, each flavour in its subfolder."""
+"""Folder of the built FMUs in a wheel, each flavour in its subfolder."""
 
 
 class BuildError(RuntimeError):
-    """A build tool failed; the message ends with what it said."""
+    """A failed build; the message ends with the output of the build tool."""
 
 
 @dataclass(frozen=True)
-class Built:
-    """One built FMU.
+class BuildResult:
+    """Result of the build of one file.
 
     Attributes
     ----------
     path
-        Where it lies.
+        Path of the file.
     fresh
-        False where a file of the same content stood there already.
+        Whether the file was built; False if one of the same content existed.
     """
 
     path: Path
@@ -34,32 +34,43 @@ class Built:
 
 
 def guid_of(path: Path) -> str | None:
-    """Read the GUID of an FMU that may not be there or may be broken."""
+    """Return the GUID of an FMU file.
+
+    Parameters
+    ----------
+    path
+        Path of the FMU.
+
+    Returns
+    -------
+    str or None
+        None if the file does not exist or cannot be read.
+    """
     try:
         return str(fmpy.read_model_description(str(path), validate=False).guid)
-    except Exception:  # whatever is wrong with it, it is not the FMU to be built
+    except Exception:  # whatever the reason, it is not the FMU to be built
         return None
 
 
 def export(carried: Path, folder: Path) -> Iterator[Path]:
-    """Copy the FMUs that came with an installed package, and what lies beside them.
+    """Copy the FMUs of an installed wheel and the files beside them.
 
     Parameters
     ----------
     carried
-        Where they lie, each flavour in its subfolder.
+        Folder of the FMUs in the wheel, each flavour in its subfolder.
     folder
-        Where to; each flavour goes to its subfolder.
+        Target folder; each flavour is copied to its subfolder.
 
     Yields
     ------
     Path
-        Each FMU as soon as it is there.
+        Each FMU when it is copied.
 
     Raises
     ------
     BuildError
-        If there are none: the package was not installed from a wheel that carries them.
+        If there are none: the package was not installed from a wheel with FMUs.
     """
     files = sorted(path for path in carried.glob("*/*") if path.is_file())
     if not files:

@@ -1,4 +1,4 @@
-"""A component's variables as an FMI description: fmpy's ``ModelDescription``, its XML, its GUID."""
+"""Model description of a component: fmpy's ``ModelDescription``, XML files, GUID."""
 
 from __future__ import annotations
 
@@ -15,24 +15,34 @@ from lxml import etree
 from cosim.fmi.repairs import SAMPLED
 from fmus.component import Component, DefaultExperiment
 from fmus.units import dimension
-from fmus.variables import Variable
+from fmus.variables import VariableDeclaration
 
 LOG_CATEGORIES = {
-    "logStatusWarning": "Legal, but worth a look",
-    "logStatusDiscard": "Why a step was refused",
-    "logStatusError": "Why a value was refused",
+    "logStatusWarning": "Warnings about legal values",
+    "logStatusDiscard": "Reasons of refused steps",
+    "logStatusError": "Reasons of refused values and calls",
     "logAll": "All messages",
 }
-"""Categories of log messages and what they are for."""
+"""Categories of log messages with their descriptions."""
 
 
 def content_guid(*contents: bytes) -> str:
-    """Derive a GUID from contents, so that it changes with them and with nothing else.
+    """Derive a GUID from contents; equal contents give the same GUID.
 
     Parameters
     ----------
     contents
-        Everything that makes the FMU behave as it does.
+        All contents that determine the behaviour of the FMU.
+
+    Returns
+    -------
+    str
+        In braces.
+
+    Examples
+    --------
+    >>> content_guid(b"description", b"binary")
+    '{06291435-4e91-0885-0972-164bf156995b}'
     """
     digest = sha256()
     for content in contents:
@@ -44,14 +54,14 @@ _TYPES = {
     "2.0": {float: "Real", int: "Integer", bool: "Boolean", str: "String"},
     "3.0": {float: "Float64", int: "Int64", bool: "Boolean", str: "String"},
 }
-"""What a type is called in each version of FMI."""
+"""Names of the types in each version of FMI."""
 
 
-def _fmi_type(variable: Variable, fmi_version: str) -> str:
+def _fmi_type(variable: VariableDeclaration, fmi_version: str) -> str:
     return "Enumeration" if variable.items else _TYPES[fmi_version][variable.type]
 
 
-def _literal(value: float | str | None, variable: Variable) -> str | bool | None:
+def _literal(value: float | str | None, variable: VariableDeclaration) -> str | bool | None:
     if value is None or isinstance(value, bool | str):
         return value
     return str(int(value)) if issubclass(variable.type, int) else repr(float(value))
@@ -62,13 +72,13 @@ def _unit(name: str) -> fmi.Unit:
     return fmi.Unit(name=name, baseUnit=fmi.BaseUnit(kg=base.kg, m=base.m, s=base.s))
 
 
-def _enumeration(variable: Variable) -> fmi.SimpleType:
+def _enumeration(variable: VariableDeclaration) -> fmi.SimpleType:
     items = [fmi.Item(name=name, value=str(number)) for name, number in variable.items.items()]
     return fmi.SimpleType(name=variable.type.__name__, type="Enumeration", items=items)
 
 
 def _model_variable(
-    variable: Variable, reference: int, types: dict[str, fmi.SimpleType], fmi_version: str
+    variable: VariableDeclaration, reference: int, types: dict[str, fmi.SimpleType], fmi_version: str
 ) -> fmi.ModelVariable:
     return fmi.ModelVariable(
         name=variable.name,
@@ -102,22 +112,27 @@ def model_description(
     fmi_version: str = "2.0",
     source_files: Sequence[str] = (),
 ) -> fmi.ModelDescription:
-    """Describe a component in the terms of FMI.
+    """Return the model description of a component.
 
     Parameters
     ----------
     component
-        What to describe.
+        Component to describe.
     experiment
-        What to recommend.
+        Default experiment.
     guid
-        See :func:`content_guid`.
+        GUID or instantiation token, see :func:`content_guid`.
     needs_execution_tool
         Whether the FMU needs more than its own binary, as a Python FMU does.
     fmi_version
         ``"2.0"`` or ``"3.0"``.
     source_files
-        What to compile, by names in the FMU's folder of sources.
+        Names of the files to compile in the FMU's folder of sources.
+
+    Returns
+    -------
+    fmpy.model_description.ModelDescription
+        For :func:`to_xml`.
     """
     variables = component.variables
     types = {variable.name: _enumeration(variable) for variable in variables if variable.items}
@@ -162,7 +177,18 @@ def model_description(
 
 
 def to_xml(description: fmi.ModelDescription) -> bytes:
-    """Write a description as the text of a ``modelDescription.xml``."""
+    """Convert a model description to a ``modelDescription.xml``.
+
+    Parameters
+    ----------
+    description
+        Description from :func:`model_description`.
+
+    Returns
+    -------
+    bytes
+        XML text.
+    """
     stream = io.BytesIO()
     fmi.write_model_description(description, stream)  # type: ignore[arg-type]
     root = etree.fromstring(stream.getvalue())
@@ -191,7 +217,7 @@ def _declare_sampled(root: Any, fmi_version: int) -> None:
 
 
 def _complete_variables(root: Any, description: fmi.ModelDescription) -> None:
-    """Add what fmpy's writer leaves out of FMI 3: bounds and nominal values, starts of texts as elements."""
+    """Add what fmpy's writer omits in FMI 3: bounds and nominal values, start values of texts as elements."""
     for element, variable in zip(root.find("ModelVariables"), description.modelVariables, strict=True):
         for attribute in ("min", "max", "nominal"):
             if (value := getattr(variable, attribute)) is not None:
@@ -201,7 +227,7 @@ def _complete_variables(root: Any, description: fmi.ModelDescription) -> None:
 
 
 def _complete_source_files(root: Any, description: fmi.ModelDescription) -> None:
-    """Add what fmpy's writer leaves out of FMI 2: which files to compile."""
+    """Add what fmpy's writer omits in FMI 2: the files to compile."""
     for configuration in description.buildConfigurations:
         files = etree.SubElement(root.find("CoSimulation"), "SourceFiles")
         for name in configuration.sourceFileSets[0].sourceFiles:
@@ -209,14 +235,19 @@ def _complete_source_files(root: Any, description: fmi.ModelDescription) -> None
 
 
 def build_description_xml(description: fmi.ModelDescription, platform_options: str) -> bytes:
-    """Write the ``buildDescription.xml`` of FMI 3.
+    """Return the ``buildDescription.xml`` of FMI 3.
 
     Parameters
     ----------
     description
-        With its build configurations.
+        Description with build configurations.
     platform_options
-        Options for compilers in the manner of gcc.
+        Options for compilers that accept those of gcc.
+
+    Returns
+    -------
+    bytes
+        XML text.
     """
     root = etree.Element("fmiBuildDescription", fmiVersion=description.fmiVersion)
     for configuration in description.buildConfigurations:
@@ -231,14 +262,27 @@ def build_description_xml(description: fmi.ModelDescription, platform_options: s
 
 
 def terminals_xml(component: Component, fmi_version: str) -> bytes:
-    """Write the ``terminalsAndIcons.xml`` of FMI 3: plugs that fit by the names of their members."""
+    """Return the ``terminalsAndIcons.xml`` of FMI 3, with the matching rule ``plug``: equal member names fit.
+
+    Parameters
+    ----------
+    component
+        Component with terminals.
+    fmi_version
+        Version in the file.
+
+    Returns
+    -------
+    bytes
+        XML text.
+    """
     root = etree.Element("fmiTerminalsAndIcons", fmiVersion=fmi_version)
     terminals = etree.SubElement(root, "Terminals")
-    for plug in component.terminals:
+    for declared in component.terminals:
         terminal = etree.SubElement(
-            terminals, "Terminal", name=plug.name, matchingRule="plug", description=plug.description
+            terminals, "Terminal", name=declared.name, matchingRule="plug", description=declared.description
         )
-        for member, variable in plug.members.items():
+        for member, variable in declared.members.items():
             etree.SubElement(
                 terminal, "TerminalMemberVariable", variableName=variable, memberName=member, variableKind="signal"
             )

@@ -1,4 +1,4 @@
-"""Build components as native FMUs: C kernel, glue of the standard and description, compiled by zig for any platform."""
+"""Build of native FMUs: C kernel, glue code of the standard and model description, compiled by zig for any platform."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cosim.fmi.archive import write_archive
 from fmus.component import Component, DefaultExperiment
 from fmus.export import cross_check, documentation
 from fmus.export.c_header import defaults_header, model_header
-from fmus.export.fmu_file import BuildError, Built, guid_of
+from fmus.export.fmu_file import BuildError, BuildResult, guid_of
 from fmus.export.model_description import (
     build_description_xml,
     content_guid,
@@ -34,25 +34,25 @@ _GLUE = Path(__file__).parents[1] / "native"
 _FMI_HEADERS = Path(fmpy.__file__).with_name("c-code")
 
 OPTIONS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-slp-vectorize")
-"""Compiler options that matter for results or speed: no fused operations, so that all platforms compute alike."""
+"""Compiler options with an effect on results or speed; without fused operations all platforms give the same results."""
 
 _LINK = ("-fvisibility=hidden", "-shared", "-s", "-g0", "-lm")
 
 
 @dataclass(frozen=True)
-class Platform:
-    """Where a binary runs.
+class TargetPlatform:
+    """Platform that a binary is compiled for.
 
     Attributes
     ----------
     name
-        As FMI 3 names its folder.
+        Name of its folder in FMI 3.
     fmi2_folder
-        As FMI 2 does; where it has no name for it, that of FMI 3.
+        Name of its folder in FMI 2; that of FMI 3 if FMI 2 has none.
     target
-        As zig names it, with the oldest system the binary runs on.
+        Target of zig, with the oldest system that the binary runs on.
     extension
-        Of a shared library.
+        File extension of a shared library.
     options
         Further compiler options.
     """
@@ -64,37 +64,48 @@ class Platform:
     options: tuple[str, ...] = ("-fPIC",)
 
     def folder(self, fmi_version: str) -> str:
-        """Name the folder of binaries in an FMU."""
+        """Return the name of the folder of binaries in an FMU.
+
+        Parameters
+        ----------
+        fmi_version
+            ``"2.0"`` or ``"3.0"``.
+
+        Returns
+        -------
+        str
+            Name below ``binaries``.
+        """
         return self.fmi2_folder if fmi_version == "2.0" else self.name
 
 
 PLATFORMS = {
     platform.name: platform
     for platform in (
-        Platform("x86_64-linux", "linux64", "x86_64-linux-gnu.2.17", ".so"),
-        Platform("aarch64-linux", "aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
-        Platform("x86_64-windows", "win64", "x86_64-windows-gnu", ".dll", ()),
-        Platform("x86_64-darwin", "darwin64", "x86_64-macos.10.13", ".dylib"),
-        Platform("aarch64-darwin", "aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
+        TargetPlatform("x86_64-linux", "linux64", "x86_64-linux-gnu.2.17", ".so"),
+        TargetPlatform("aarch64-linux", "aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
+        TargetPlatform("x86_64-windows", "win64", "x86_64-windows-gnu", ".dll", ()),
+        TargetPlatform("x86_64-darwin", "darwin64", "x86_64-macos.10.13", ".dylib"),
+        TargetPlatform("aarch64-darwin", "aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
     )
 }
-"""All platforms that are built for, by name."""
+"""All platforms, by name."""
 
 
 @dataclass(frozen=True)
-class Standard:
+class FmiStandard:
     """A version of FMI.
 
     Attributes
     ----------
     version
-        As descriptions say it.
+        Version in model descriptions.
     glue
-        C file of the standard's functions.
+        C file with the functions of the standard.
     headers
-        The standard's own header files.
+        Header files of the standard.
     license_file
-        Where a licence lies in an FMU.
+        Path of the licence in an FMU.
     """
 
     version: str
@@ -104,44 +115,44 @@ class Standard:
 
 
 STANDARDS = {
-    "fmi2": Standard(
+    "fmi2": FmiStandard(
         "2.0",
         "fmi2.c",
         ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
         "documentation/license.txt",
     ),
-    "fmi3": Standard(
+    "fmi3": FmiStandard(
         "3.0",
         "fmi3.c",
         ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
         "documentation/licenses/license.txt",
     ),
 }
-"""Native flavours and their standards."""
+"""Standards of the native flavours."""
 
 
 def host_platform() -> str:
-    """Name the platform this runs on."""
+    """Return the name of the platform of this Python process."""
     architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine.machine().lower(), machine.machine())
     return f"{architecture}-{machine.system().lower()}"
 
 
-def source_files(component: Component, standard: Standard, token: str) -> dict[str, bytes]:
-    """Collect all that a C compiler needs: the ``.c`` files are to be compiled, the others included.
+def source_files(component: Component, standard: FmiStandard, token: str) -> dict[str, bytes]:
+    """Return all source files of an FMU; the ``.c`` files are compiled, the others included.
 
     Parameters
     ----------
     component
-        Whose FMU.
+        Component of the FMU.
     standard
-        Which glue.
+        Standard of the glue code.
     token
         GUID or instantiation token.
 
     Returns
     -------
     dict
-        Name to content.
+        File name to content.
     """
     glue = [_GLUE / name for name in (standard.glue, "instance.c", "instance.h", "paths.c", "paths.h", "component.h")]
     headers = [_FMI_HEADERS / name for name in standard.headers]
@@ -151,7 +162,7 @@ def source_files(component: Component, standard: Standard, token: str) -> dict[s
 
 
 def _license() -> bytes:
-    """Read the licence, which lies in the repository or with the installed package."""
+    """Return the licence from the repository or the installed package."""
     here = Path(__file__).parents[2] / "LICENSE"
     text = here.read_text("utf-8") if here.exists() else distribution("seat-cosim").read_text("licenses/LICENSE")
     if not text:
@@ -159,8 +170,27 @@ def _license() -> bytes:
     return text.encode()
 
 
-def fmu_files(component: Component, experiment: DefaultExperiment, standard: Standard, token: str) -> dict[str, bytes]:
-    """Write all files of an FMU but its binaries, by name in the archive."""
+def fmu_files(
+    component: Component, experiment: DefaultExperiment, standard: FmiStandard, token: str
+) -> dict[str, bytes]:
+    """Return all files of an FMU except its binaries.
+
+    Parameters
+    ----------
+    component
+        Component of the FMU.
+    experiment
+        Default experiment.
+    standard
+        Standard of the FMU.
+    token
+        GUID or instantiation token.
+
+    Returns
+    -------
+    dict
+        Name in the archive to content.
+    """
     sources = source_files(component, standard, token)
     description = model_description(
         component,
@@ -188,22 +218,27 @@ def _compiler_version() -> str:
         raise BuildError("native FMUs: expected the package ziglang, got none; run: pip install ziglang") from None
 
 
-def compile_binary(name: str, sources: dict[str, bytes], platform: Platform) -> bytes:
+def compile_binary(name: str, sources: dict[str, bytes], platform: TargetPlatform) -> bytes:
     """Compile a shared library.
 
     Parameters
     ----------
     name
-        Of the library, without extension.
+        Name of the library, without extension.
     sources
-        From :func:`source_files`.
+        Source files, content by name, see :func:`source_files`.
     platform
-        For which.
+        Platform to compile for.
+
+    Returns
+    -------
+    bytes
+        Content of the shared library.
 
     Raises
     ------
     BuildError
-        If the compiler fails; with what it said.
+        If the compiler fails; with its output.
     """
     with tempfile.TemporaryDirectory(prefix="seat-cosim-") as temporary:
         folder = Path(temporary)
@@ -223,33 +258,49 @@ def compile_binary(name: str, sources: dict[str, bytes], platform: Platform) -> 
 
 
 def platforms_of(path: Path) -> set[str]:
-    """Name the folders of binaries in an FMU."""
+    """Return the names of the folders of binaries in an FMU.
+
+    Parameters
+    ----------
+    path
+        Path of the FMU.
+
+    Returns
+    -------
+    set of str
+        Names of folders below ``binaries``.
+    """
     with zipfile.ZipFile(path) as archive:
         return set(re.findall(r"^binaries/([^/]+)/", "\n".join(archive.namelist()), re.MULTILINE))
 
 
 def build_native_fmu(
     flavour: str, component: Component, experiment: DefaultExperiment, folder: Path, platforms: Sequence[str] = ()
-) -> Built:
-    """Build a component as a native FMU, unless the same one lies there already, for these platforms or more.
+) -> BuildResult:
+    """Build a component as a native FMU, unless the folder has one of the same content with these platforms.
 
     Parameters
     ----------
     flavour
         ``"fmi2"`` or ``"fmi3"``.
     component
-        What to build.
+        Component to build.
     experiment
-        What its description recommends.
+        Default experiment of the model description.
     folder
-        Where ``<name>.fmu`` and its cross-check files go; made where it does not exist.
+        Folder for ``<name>.fmu`` and its cross-check files; created if it does not exist.
     platforms
-        Names from :data:`PLATFORMS`; the host's where none is given.
+        Names from :data:`PLATFORMS`; the host's if empty.
+
+    Returns
+    -------
+    BuildResult
+        Path of the FMU and whether it was built.
 
     Raises
     ------
     BuildError
-        If the compiler is missing or fails, or a platform is not known.
+        If the compiler is missing or fails, or a platform is unknown.
     """
     standard = STANDARDS[flavour]
     chosen = [_platform(name) for name in platforms or (host_platform(),)]
@@ -258,48 +309,48 @@ def build_native_fmu(
     contents = (part for name, content in sorted(parts.items()) for part in (name.encode(), content))
     token = content_guid(_compiler_version().encode(), options, *contents)
     target = folder / f"{component.name}.fmu"
-    wanted = {platform.folder(standard.version) for platform in chosen}
-    fresh = guid_of(target) != token or not wanted <= platforms_of(target)
+    required = {platform.folder(standard.version) for platform in chosen}
+    fresh = guid_of(target) != token or not required <= platforms_of(target)
     if fresh:
         files = fmu_files(component, experiment, standard, token)
         sources = source_files(component, standard, token)
         with ThreadPoolExecutor(2) as pool:
             binaries = list(pool.map(lambda platform: compile_binary(component.name, sources, platform), chosen))
         for platform, binary in zip(chosen, binaries, strict=True):
-            place = f"binaries/{platform.folder(standard.version)}/{component.name}{platform.extension}"
-            files[place] = binary
+            path = f"binaries/{platform.folder(standard.version)}/{component.name}{platform.extension}"
+            files[path] = binary
         write_archive(target, files)
         cross_check.write(component, experiment.step_size, folder)
-    return Built(target, fresh)
+    return BuildResult(target, fresh)
 
 
 def build_library(
     name: str, sources: dict[str, bytes], mark: bytes, folder: Path, platforms: Sequence[str] = ()
-) -> Iterator[Built]:
-    """Build a shared library that is no FMU, unless one of the same mark lies there already.
+) -> Iterator[BuildResult]:
+    """Build a shared library that is no FMU, unless the folder has one of the same sources.
 
     Parameters
     ----------
     name
-        Of the library, without extension.
+        Name of the library, without extension.
     sources
-        As :func:`compile_binary` takes them.
+        Source files, content by name.
     mark
-        What a library of these sources contains, and none of others.
+        Bytes that a library of these sources contains, and no other.
     folder
-        Where it goes: to the subfolder of its platform's name.
+        Folder for the library; each platform has the subfolder of its name.
     platforms
-        Names from :data:`PLATFORMS`; the host's where none is given.
+        Names from :data:`PLATFORMS`; the host's if empty.
 
     Yields
     ------
-    Built
-        As soon as it is there.
+    BuildResult
+        Result of each library when it is complete.
 
     Raises
     ------
     BuildError
-        If the compiler is missing or fails, or a platform is not known.
+        If the compiler is missing or fails, or a platform is unknown.
     """
     _compiler_version()
     for platform in [_platform(name) for name in platforms or (host_platform(),)]:
@@ -311,10 +362,10 @@ def build_library(
             unfinished = target.with_suffix(".tmp")
             unfinished.write_bytes(binary)
             unfinished.replace(target)
-        yield Built(target, fresh)
+        yield BuildResult(target, fresh)
 
 
-def _platform(name: str) -> Platform:
+def _platform(name: str) -> TargetPlatform:
     if name not in PLATFORMS:
         raise BuildError(f"native FMUs: expected a platform among {', '.join(PLATFORMS)}, got {name}")
     return PLATFORMS[name]

@@ -1,4 +1,4 @@
-"""What a component is made of: the modules of this project that its module imports, and their twins in C."""
+"""Source files of a component: the modules of this project that its module imports, and the C files beside them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _PACKAGES = ("fmus", "plant_models", "seat_controller_fmu")
 
 
 def _source(module: str) -> Path | None:
-    """Find a module's file; None for a name that is not a module but stands within one."""
+    """Return the file of a module; None for a name that is no module but one inside a module."""
     try:
         spec = importlib.util.find_spec(module)
     except ModuleNotFoundError:
@@ -20,7 +20,7 @@ def _source(module: str) -> Path | None:
 
 
 def _imports(path: Path) -> Iterator[str]:
-    """Yield the names that a file imports at its top level, functions' own imports left out."""
+    """Yield the names that a file imports at its top level; imports inside functions are ignored."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -30,7 +30,7 @@ def _imports(path: Path) -> Iterator[str]:
 
 
 def source_files(*modules: str) -> dict[str, Path]:
-    """Find the project's modules that the given ones import, directly or not, packages included.
+    """Return the modules of this project that the given ones import, directly or indirectly, and their packages.
 
     Parameters
     ----------
@@ -40,29 +40,34 @@ def source_files(*modules: str) -> dict[str, Path]:
     Returns
     -------
     dict
-        Path inside a folder of sources (``plant_models/seat/seat.py``) to the file, sorted by that path.
+        Relative path (``plant_models/seat/seat.py``) to the file, sorted by that path.
     """
     files: dict[str, Path] = {}
-    waiting = list(modules)
-    while waiting:
-        name = waiting.pop()
+    pending = list(modules)
+    while pending:
+        name = pending.pop()
         package, _, _ = name.rpartition(".")
         if name.partition(".")[0] not in _PACKAGES or (path := _source(name)) is None:
             continue
-        inside = name.replace(".", "/") + ("/__init__.py" if path.name == "__init__.py" else ".py")
-        if inside not in files:
-            files[inside] = path
-            waiting += [package, *_imports(path)]
+        relative = name.replace(".", "/") + ("/__init__.py" if path.name == "__init__.py" else ".py")
+        if relative not in files:
+            files[relative] = path
+            pending += [package, *_imports(path)]
     return dict(sorted(files.items()))
 
 
 def kernel_files(module: str) -> tuple[Path, ...]:
-    """Find the C files and headers that lie beside a module and the modules it imports: their twins.
+    """Return the C files and headers beside a module and the modules that it imports.
 
     Parameters
     ----------
     module
         Name of a component's module.
+
+    Returns
+    -------
+    tuple of Path
+        The C twins of the modules.
     """
     twins = (path.with_suffix(suffix) for path in source_files(module).values() for suffix in (".c", ".h"))
     return tuple(path for path in twins if path.exists())

@@ -1,15 +1,15 @@
-"""The variables of components as a page of tables."""
+"""Tables of the variables of components, in Markdown."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 from fmus.component import Component
-from fmus.variables import Variable
+from fmus.variables import VariableDeclaration
 
 CONVENTIONS = """Up is positive for displacements, forces and accelerations; displacements are from static equilibrium,
 accelerations without gravity; everything starts at rest."""
-"""What all variables have in common."""
+"""Conventions of all variables."""
 
 _HEAD = f"""# Variables of the FMUs
 
@@ -25,18 +25,23 @@ def _number(value: float | None) -> str:
 
 
 COLUMNS = ("#", "variable", "unit", "causality", "variability", "start", "range", "description")
-"""What a table says of each variable."""
+"""Columns of a table."""
 
 
-def row(reference: int, v: Variable) -> tuple[str, ...]:
-    """Write the cells of a variable's row, see :data:`COLUMNS`.
+def row(reference: int, v: VariableDeclaration) -> tuple[str, ...]:
+    """Return the row of a variable.
 
     Parameters
     ----------
     reference
-        The value reference.
+        Value reference.
     v
-        The variable.
+        Declaration of the variable.
+
+    Returns
+    -------
+    tuple of str
+        One cell for each of :data:`COLUMNS`.
     """
     start = _number(v.start) if isinstance(v.start, float) else "" if v.start is None else str(v.start)
     start = start.lower() if v.type is bool else start
@@ -45,19 +50,41 @@ def row(reference: int, v: Variable) -> tuple[str, ...]:
     return (str(reference), v.name, v.unit or "", v.causality, v.variability, start, items or bounds, v.description)
 
 
-def _line(reference: int, variable: Variable) -> str:
+def _line(reference: int, variable: VariableDeclaration) -> str:
     number, name, *cells = row(reference, variable)
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in (number, f"`{name}`", *cells)) + " |"
 
 
 def table(component: Component) -> str:
-    """Write a component's variables as a Markdown table."""
+    """Return the variables of a component as a Markdown table.
+
+    Parameters
+    ----------
+    component
+        The component.
+
+    Returns
+    -------
+    str
+        Markdown text.
+    """
     head = f"| {' | '.join(COLUMNS)} |\n" + "|---" * len(COLUMNS) + "|"
     rows = [_line(reference, variable) for reference, variable in enumerate(component.variables)]
     return "\n".join([head, *rows])
 
 
 def page(components: Iterable[Component]) -> str:
-    """Write the whole page."""
+    """Return a page with a table for each component.
+
+    Parameters
+    ----------
+    components
+        The components.
+
+    Returns
+    -------
+    str
+        Markdown text.
+    """
     parts = [f"## {c.name}\n\n{c.description}.\n\n{table(c)}\n" for c in components]
     return "\n".join([_HEAD, *parts])

@@ -1,23 +1,36 @@
-/* What the glue knows of a model: its variables and a few functions. model.h, generated from the component's declaration,
- * says the rest: counts, the table MODEL_VARIABLES, names and limits, and how the model's own types come from values.
+/* Interface of a model to the glue code: its variables and a few functions. model.h is generated from the declaration
+ * of the component. It defines counts, names, limits, the table MODEL_VARIABLES, and the conversion of values to the
+ * types of the model. Times are in s.
  *
  *   typedef ... ModelParameters, ModelCoefficients, ModelState, ModelInputs, ModelOutputs;
- *   const char *model_prepare(const ModelParameters *, ModelCoefficients *);         NULL, or what is wrong, which lasts
- *                                                                                    as long as the coefficients
- *   void model_release(ModelCoefficients *);                                         what was prepared, or all zero
- *   const char *model_warning(const ModelParameters *);                              NULL, or what to think about
- *   void model_initial(ModelState *, const ModelInputs *, const ModelCoefficients *, double time, ModelOutputs *);
+ *
+ *   const char *model_prepare(const ModelParameters *, ModelCoefficients *);
+ *       Derives the coefficients. Returns NULL, or a message, valid as long as the coefficients.
+ *   void model_release(ModelCoefficients *);
+ *       Frees the memory of coefficients that are prepared or all zero.
+ *   const char *model_warning(const ModelParameters *);
+ *       Returns NULL, or a warning about legal parameters.
+ *   void model_initialize(ModelState *, const ModelInputs *, const ModelCoefficients *, double time, ModelOutputs *);
+ *       Sets the state at the start and its outputs.
  *   void model_advance(ModelState *, const ModelInputs *, const ModelCoefficients *, double time, double step_size,
  *                      ModelOutputs *);
- *   int model_is_valid_state(const ModelState *, const ModelParameters *, double time);        whether a run can have that state at a
- *                                                                                    time; its numbers are finite
+ *       Advances the state over one communication step; the outputs are those at its end.
+ *   int model_is_valid_state(const ModelState *, const ModelParameters *, double time);
+ *       Whether a run that has reached a time can have this state with finite numbers.
+ *
  *   ModelInputs model_inputs(const double values[]);
  *   ModelParameters model_parameters(const double values[], const char *const texts[]);
  *   void model_store_outputs(const ModelOutputs *, double values[]);
- *   void model_pack(const ModelState *, double *packed);                             and model_unpack
+ *       Conversion between the table of values and the types of the model.
+ *   void model_pack(const ModelState *, double packed[]);
+ *   void model_unpack(ModelState *, const double packed[]);
+ *       Conversion between a state and STATE_COUNT numbers.
+ *   size_t model_tail_length(const ModelState *);
+ *   void model_copy(ModelState *to, const ModelState *from, size_t tail_length);
+ *       Copy of a state without the unused values at its end.
  *
- * Every variable has one double in a table of values, the time first; its position is its value reference. Texts, which
- * are names of files, stand apart, in their order.
+ * Every variable has one double in a table of values, beginning with the time; its position is its value reference.
+ * Texts, which are paths of files, have an array of their own, in the order of their value references.
  */
 #ifndef COMPONENT_H
 #define COMPONENT_H
@@ -40,10 +53,10 @@ typedef enum {
     VARIABILITY_CONTINUOUS
 } Variability;
 
-/* A variable as declared; an enumeration is an integer from 1, which its bounds say. */
+/* A variable as declared; an enumeration is an integer with the minimum 1. */
 typedef struct {
     const char *name;
-    const char *unit; /* empty where it has none */
+    const char *unit; /* empty where there is none */
     Type type;
     Causality causality;
     Variability variability;

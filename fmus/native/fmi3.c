@@ -1,4 +1,4 @@
-/* FMI 3.0 for co-simulation: the standard's functions, each by way of the rules in instance.c. Knows no model. */
+/* The functions of FMI 3.0 for co-simulation, implemented by the rules in instance.c. Independent of the model. */
 #include "fmi3Functions.h"
 
 #include "instance.h"
@@ -6,20 +6,22 @@
 #include <math.h>
 
 #ifdef __GNUC__
-#pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard's signatures say more than a function needs */
+#pragma GCC diagnostic ignored "-Wunused-parameter" /* functions do not use all arguments of the standard */
 #endif
 
-static const char *const co_simulation_only = "it is for co-simulation only";
-static const char *const no_events = "it has no event mode";
-static const char *const no_clocks = "it has no clocks";
-static const char *const no_derivatives = "it provides no derivatives";
-static const char *const no_structure = "it has no structural parameters";
+static const char *const co_simulation_only = "co-simulation only";
+static const char *const no_events = "no event mode";
+static const char *const no_clocks = "no clocks";
+static const char *const no_derivatives = "no derivatives";
+static const char *const no_structure = "no structural parameters";
 
 /* ---- instances --------------------------------------------------------------------------------------------------- */
 
-static void send(const Instance *it, Status status, const char *category, const char *message)
+/* Pass a message to the host. */
+static void log_message(const Instance *instance, Status status, const char *category, const char *message)
 {
-    ((fmi3LogMessageCallback)it->host.callback)(it->host.environment, (fmi3Status)status, category, message);
+    ((fmi3LogMessageCallback)instance->host.callback)(instance->host.environment, (fmi3Status)status, category,
+                                                      message);
 }
 
 const char *fmi3GetVersion(void)
@@ -29,16 +31,16 @@ const char *fmi3GetVersion(void)
 
 static Host host_of(fmi3LogMessageCallback callback, fmi3InstanceEnvironment environment)
 {
-    const Host host = {send, (HostCallback)callback, environment};
+    const Host host = {log_message, (HostCallback)callback, environment};
     return host;
 }
 
-/* Refuse to instantiate, and say why. */
-static fmi3Instance refuse(Instance *it, const char *function, const char *reason)
+/* Refuse an instantiation for a reason. */
+static fmi3Instance refuse(Instance *instance, const char *function, const char *reason)
 {
-    if (it != NULL) {
-        instance_unsupported(it, function, reason);
-        instance_free(it);
+    if (instance != NULL) {
+        instance_unsupported(instance, function, reason);
+        instance_free(instance);
     }
     return NULL;
 }
@@ -48,19 +50,18 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
                                          const fmi3ValueReference requiredIntermediateVariables[],
                                          size_t nRequiredIntermediateVariables,
-                                         fmi3InstanceEnvironment instanceEnvironment,
-                                         fmi3LogMessageCallback logMessage,
+                                         fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     const Host host = host_of(logMessage, instanceEnvironment);
-    Instance *it = instance_new(instanceName, instantiationToken, resourcePath, loggingOn, host, __func__);
+    Instance *instance = instance_new(instanceName, instantiationToken, resourcePath, loggingOn, host, __func__);
     if (eventModeUsed) {
-        return refuse(it, __func__, no_events);
+        return refuse(instance, __func__, no_events);
     }
     if (nRequiredIntermediateVariables > 0) {
-        return refuse(it, __func__, "it has no intermediate update");
+        return refuse(instance, __func__, "no intermediate update");
     }
-    return it;
+    return instance;
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
@@ -102,26 +103,26 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
     const Status status = instance_set_up(instance, __func__, startTime, stopTimeDefined ? stopTime : INFINITY);
-    return (fmi3Status)(status == STATUS_OK ? instance_enter_initialisation(instance, __func__) : status);
+    return (fmi3Status)(status == STATUS_OK ? instance_enter_initialization(instance, __func__) : status);
 }
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 {
-    return (fmi3Status)instance_exit_initialisation(instance, __func__);
+    return (fmi3Status)instance_exit_initialization(instance, __func__);
 }
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
                       fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
-    Instance *it = instance;
-    if (it == NULL || eventHandlingNeeded == NULL || terminateSimulation == NULL || earlyReturn == NULL ||
+    const Instance *const self = instance;
+    if (self == NULL || eventHandlingNeeded == NULL || terminateSimulation == NULL || earlyReturn == NULL ||
         lastSuccessfulTime == NULL) {
-        return (fmi3Status)instance_fail(it, __func__, "expected where to put what it returns, got a null pointer");
+        return (fmi3Status)instance_fail(self, __func__, "expected pointers for the results, got a null pointer");
     }
-    const Status status = instance_step(it, __func__, currentCommunicationPoint, communicationStepSize);
+    const Status status = instance_step(instance, __func__, currentCommunicationPoint, communicationStepSize);
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
-    *lastSuccessfulTime = it->values[0];
+    *lastSuccessfulTime = self->values[0];
     return (fmi3Status)status;
 }
 
@@ -137,58 +138,58 @@ fmi3Status fmi3Reset(fmi3Instance instance)
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-#define GETTER(function, type, kind, conversion)                                                          \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[],                \
-                        size_t nValueReferences, kind values[], size_t nValues)                           \
-    {                                                                                                     \
-        const Instance *it = instance;                                                                    \
-        const size_t count = nValueReferences;                                                            \
-        Status status = check_counts(it, __func__, count, nValues);                                       \
-        if (status == STATUS_OK) {                                                                        \
-            status = instance_read(instance, __func__, type, valueReferences, count, values);             \
-        }                                                                                                 \
-        for (size_t i = 0; status != STATUS_ERROR && i < count; ++i) {                                       \
-            const double value = it->values[valueReferences[i]];                                          \
-            values[i] = (kind)(conversion);                                                               \
-        }                                                                                                 \
-        return (fmi3Status)status;                                                                        \
+#define GETTER(function, type, kind, conversion)                                                                    \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences, \
+                        kind values[], size_t nValues)                                                              \
+    {                                                                                                               \
+        const Instance *const self = instance;                                                                      \
+        const size_t count = nValueReferences;                                                                      \
+        Status status = check_counts(self, __func__, count, nValues);                                               \
+        if (status == STATUS_OK) {                                                                                  \
+            status = instance_prepare_read(instance, __func__, type, valueReferences, count, values);               \
+        }                                                                                                           \
+        for (size_t i = 0; status != STATUS_ERROR && i < count; ++i) {                                              \
+            const double value = self->values[valueReferences[i]];                                                  \
+            values[i] = (kind)(conversion);                                                                         \
+        }                                                                                                           \
+        return (fmi3Status)status;                                                                                  \
     }
 
-#define SETTER(function, type, kind)                                                                      \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[],                \
-                        size_t nValueReferences, const kind values[], size_t nValues)                     \
-    {                                                                                                     \
-        const size_t count = nValueReferences;                                                            \
-        Status status = check_counts(instance, __func__, count, nValues);                                 \
-        if (status == STATUS_OK) {                                                                        \
-            status = instance_may_write(instance, __func__, type, valueReferences, count, values);        \
-        }                                                                                                 \
-        for (size_t i = 0, legal = status == STATUS_OK; legal && i < count; ++i) {                        \
-            const Status written = instance_write(instance, __func__, valueReferences[i],                 \
-                                                  (double)values[i]);                                     \
-            status = written > status ? written : status;                                                 \
-        }                                                                                                 \
-        return (fmi3Status)status;                                                                        \
+#define SETTER(function, type, kind)                                                                                \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences, \
+                        const kind values[], size_t nValues)                                                        \
+    {                                                                                                               \
+        const size_t count = nValueReferences;                                                                      \
+        Status status = check_counts(instance, __func__, count, nValues);                                           \
+        if (status == STATUS_OK) {                                                                                  \
+            status = instance_check_write(instance, __func__, type, valueReferences, count, values);                \
+        }                                                                                                           \
+        for (size_t i = 0, legal = status == STATUS_OK; legal && i < count; ++i) {                                  \
+            const Status written = instance_write(instance, __func__, valueReferences[i], (double)values[i]);       \
+            status = written > status ? written : status;                                                           \
+        }                                                                                                           \
+        return (fmi3Status)status;                                                                                  \
     }
 
-#define NO_SUCH_TYPE(type, kind)                                                                          \
-    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference valueReferences[],           \
-                             size_t nValueReferences, kind values[], size_t nValues)                      \
-    {                                                                                                     \
-        return (fmi3Status)instance_no_such_type(instance, __func__, #type, nValueReferences);            \
-    }                                                                                                     \
-    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference valueReferences[],           \
-                             size_t nValueReferences, const kind values[], size_t nValues)                \
-    {                                                                                                     \
-        return (fmi3Status)instance_no_such_type(instance, __func__, #type, nValueReferences);            \
+#define REFUSED_TYPE(type, kind)                                                                \
+    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference valueReferences[], \
+                             size_t nValueReferences, kind values[], size_t nValues)            \
+    {                                                                                           \
+        return (fmi3Status)instance_refuse_type(instance, __func__, #type, nValueReferences);   \
+    }                                                                                           \
+    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference valueReferences[], \
+                             size_t nValueReferences, const kind values[], size_t nValues)      \
+    {                                                                                           \
+        return (fmi3Status)instance_refuse_type(instance, __func__, #type, nValueReferences);   \
     }
 
-/* No variable is an array: as many values as references. */
-static Status check_counts(const Instance *it, const char *function, size_t references, size_t values)
+/* Check that there are as many values as references: no variable is an array. */
+static Status check_counts(const Instance *instance, const char *function, size_t references, size_t values)
 {
     return references == values
                ? STATUS_OK
-               : instance_fail(it, function, "expected %zu values, one for each reference, got %zu", references, values);
+               : instance_fail(instance, function, "expected %zu values, one for each reference, got %zu", references,
+                               values);
 }
 
 GETTER(fmi3GetFloat64, TYPE_REAL, fmi3Float64, value)
@@ -198,14 +199,14 @@ SETTER(fmi3SetFloat64, TYPE_REAL, fmi3Float64)
 SETTER(fmi3SetInt64, TYPE_INTEGER, fmi3Int64)
 SETTER(fmi3SetBoolean, TYPE_BOOLEAN, fmi3Boolean)
 
-NO_SUCH_TYPE(Float32, fmi3Float32)
-NO_SUCH_TYPE(Int8, fmi3Int8)
-NO_SUCH_TYPE(UInt8, fmi3UInt8)
-NO_SUCH_TYPE(Int16, fmi3Int16)
-NO_SUCH_TYPE(UInt16, fmi3UInt16)
-NO_SUCH_TYPE(Int32, fmi3Int32)
-NO_SUCH_TYPE(UInt32, fmi3UInt32)
-NO_SUCH_TYPE(UInt64, fmi3UInt64)
+REFUSED_TYPE(Float32, fmi3Float32)
+REFUSED_TYPE(Int8, fmi3Int8)
+REFUSED_TYPE(UInt8, fmi3UInt8)
+REFUSED_TYPE(Int16, fmi3Int16)
+REFUSED_TYPE(UInt16, fmi3UInt16)
+REFUSED_TYPE(Int32, fmi3Int32)
+REFUSED_TYPE(UInt32, fmi3UInt32)
+REFUSED_TYPE(UInt64, fmi3UInt64)
 
 fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          fmi3String values[], size_t nValues)
@@ -213,7 +214,7 @@ fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueRe
     const size_t count = nValueReferences;
     Status status = check_counts(instance, __func__, count, nValues);
     if (status == STATUS_OK) {
-        status = instance_read(instance, __func__, TYPE_TEXT, valueReferences, count, values);
+        status = instance_prepare_read(instance, __func__, TYPE_TEXT, valueReferences, count, values);
     }
     for (size_t i = 0; status != STATUS_ERROR && i < count; ++i) {
         values[i] = instance_text(instance, valueReferences[i]);
@@ -227,7 +228,7 @@ fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueRe
     const size_t count = nValueReferences;
     Status status = check_counts(instance, __func__, count, nValues);
     if (status == STATUS_OK) {
-        status = instance_may_write(instance, __func__, TYPE_TEXT, valueReferences, count, values);
+        status = instance_check_write(instance, __func__, TYPE_TEXT, valueReferences, count, values);
     }
     for (size_t i = 0, legal = status == STATUS_OK; legal && i < count; ++i) {
         const Status written = instance_write_text(instance, __func__, valueReferences[i], values[i]);
@@ -239,25 +240,25 @@ fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueRe
 fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          size_t valueSizes[], fmi3Binary values[], size_t nValues)
 {
-    return (fmi3Status)instance_no_such_type(instance, __func__, "Binary", nValueReferences);
+    return (fmi3Status)instance_refuse_type(instance, __func__, "Binary", nValueReferences);
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          const size_t valueSizes[], const fmi3Binary values[], size_t nValues)
 {
-    return (fmi3Status)instance_no_such_type(instance, __func__, "Binary", nValueReferences);
+    return (fmi3Status)instance_refuse_type(instance, __func__, "Binary", nValueReferences);
 }
 
 fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                         fmi3Clock values[])
 {
-    return (fmi3Status)instance_no_such_type(instance, __func__, "Clock", nValueReferences);
+    return (fmi3Status)instance_refuse_type(instance, __func__, "Clock", nValueReferences);
 }
 
 fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                         const fmi3Clock values[])
 {
-    return (fmi3Status)instance_no_such_type(instance, __func__, "Clock", nValueReferences);
+    return (fmi3Status)instance_refuse_type(instance, __func__, "Clock", nValueReferences);
 }
 
 /* ---- states ------------------------------------------------------------------------------------------------------ */
@@ -293,12 +294,12 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte seriali
     return (fmi3Status)instance_state_from_bytes(instance, __func__, serializedState, size, FMUState);
 }
 
-/* ---- what there is none of --------------------------------------------------------------------------------------- */
+/* ---- unsupported functions --------------------------------------------------------------------------------------- */
 
-#define UNSUPPORTED(function, reason, ...)                                                                \
-    fmi3Status function(__VA_ARGS__)                                                                      \
-    {                                                                                                     \
-        return (fmi3Status)instance_unsupported(instance, __func__, reason);                              \
+#define UNSUPPORTED(function, reason, ...)                                   \
+    fmi3Status function(__VA_ARGS__)                                         \
+    {                                                                        \
+        return (fmi3Status)instance_unsupported(instance, __func__, reason); \
     }
 
 UNSUPPORTED(fmi3EnterEventMode, no_events, fmi3Instance instance)
@@ -306,26 +307,24 @@ UNSUPPORTED(fmi3EnterStepMode, no_events, fmi3Instance instance)
 UNSUPPORTED(fmi3EvaluateDiscreteStates, no_events, fmi3Instance instance)
 UNSUPPORTED(fmi3UpdateDiscreteStates, no_events, fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
             fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
-            fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
-            fmi3Float64 *nextEventTime)
+            fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
 
 UNSUPPORTED(fmi3EnterConfigurationMode, no_structure, fmi3Instance instance)
 UNSUPPORTED(fmi3ExitConfigurationMode, no_structure, fmi3Instance instance)
-UNSUPPORTED(fmi3GetNumberOfVariableDependencies, "its dependencies stand in the description", fmi3Instance instance,
+UNSUPPORTED(fmi3GetNumberOfVariableDependencies, "no run-time dependencies", fmi3Instance instance,
             fmi3ValueReference valueReference, size_t *nDependencies)
-UNSUPPORTED(fmi3GetVariableDependencies, "its dependencies stand in the description", fmi3Instance instance,
+UNSUPPORTED(fmi3GetVariableDependencies, "no run-time dependencies", fmi3Instance instance,
             fmi3ValueReference dependent, size_t elementIndicesOfDependent[], fmi3ValueReference independents[],
             size_t elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[], size_t nDependencies)
 
 UNSUPPORTED(fmi3GetDirectionalDerivative, no_derivatives, fmi3Instance instance, const fmi3ValueReference unknowns[],
-            size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-            size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+            size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+            fmi3Float64 sensitivity[], size_t nSensitivity)
 UNSUPPORTED(fmi3GetAdjointDerivative, no_derivatives, fmi3Instance instance, const fmi3ValueReference unknowns[],
-            size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-            size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
-UNSUPPORTED(fmi3GetOutputDerivatives, no_derivatives, fmi3Instance instance,
-            const fmi3ValueReference valueReferences[], size_t nValueReferences, const fmi3Int32 orders[],
-            fmi3Float64 values[], size_t nValues)
+            size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+            fmi3Float64 sensitivity[], size_t nSensitivity)
+UNSUPPORTED(fmi3GetOutputDerivatives, no_derivatives, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+            size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
 
 UNSUPPORTED(fmi3GetIntervalDecimal, no_clocks, fmi3Instance instance, const fmi3ValueReference valueReferences[],
             size_t nValueReferences, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
@@ -349,8 +348,7 @@ UNSUPPORTED(fmi3ActivateModelPartition, no_clocks, fmi3Instance instance, fmi3Va
 
 UNSUPPORTED(fmi3EnterContinuousTimeMode, co_simulation_only, fmi3Instance instance)
 UNSUPPORTED(fmi3CompletedIntegratorStep, co_simulation_only, fmi3Instance instance,
-            fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
-            fmi3Boolean *terminateSimulation)
+            fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
 UNSUPPORTED(fmi3SetTime, co_simulation_only, fmi3Instance instance, fmi3Float64 time)
 UNSUPPORTED(fmi3SetContinuousStates, co_simulation_only, fmi3Instance instance, const fmi3Float64 continuousStates[],
             size_t nContinuousStates)

@@ -1,5 +1,5 @@
-/* An instance of the model and its rules, which are the same in all standards: who may call what when, which values are
- * legal, how a step goes, what a saved state is. Knows neither a model nor a standard. */
+/* An instance of the model and the rules that all standards share: legal calls in each state, legal values, the
+ * sequence of a step, the content of a saved state. Independent of model and standard. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
@@ -9,90 +9,88 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* As both standards number them. */
+/* Numbered as in both standards. */
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR } Status;
 
-enum { TEXT_SIZE = LONGEST_TEXT + 1, TEXTS_SIZE = TEXT_COUNT * TEXT_SIZE + 8 }; /* the latter never 0 */
+enum { TEXT_SIZE = MAX_TEXT_SIZE + 1, TEXTS_SIZE = TEXT_COUNT * TEXT_SIZE + 8 }; /* the latter is never 0 */
 
-typedef enum { PHASE_INSTANTIATED, PHASE_INITIALISING, PHASE_STEPPING, PHASE_TERMINATED, PHASE_COUNT } Phase;
+typedef enum { PHASE_INSTANTIATED, PHASE_INITIALIZING, PHASE_STEPPING, PHASE_TERMINATED, PHASE_COUNT } Phase;
 
 typedef struct Instance Instance;
 
-/* Hands a message to the host, in the way of a standard. */
-typedef void (*Messenger)(const Instance *it, Status status, const char *category, const char *message);
+/* Passes a message to the callback of the host. */
+typedef void (*MessageLogger)(const Instance *instance, Status status, const char *category, const char *message);
 
-/* The host's own callback, of the type its standard gives it. */
+/* The callback of the host, of the type that its standard defines. */
 typedef void (*HostCallback)(void);
 
-/* What to tell the host and how. */
 typedef struct {
-    Messenger messenger;
+    MessageLogger log_message;
     HostCallback callback;
     void *environment;
 } Host;
 
 struct Instance {
-    char name[128]; /* longer names are cut, in messages only */
+    char name[128]; /* for messages; longer names are cut */
     Host host;
-    unsigned categories; /* bit of each category that is logged */
+    unsigned categories; /* one bit for each category that is logged */
     Phase phase;
-    double values[VARIABLE_COUNT]; /* by value reference; the first is the time reached, in s */
-    double stop_time;              /* past which no step may go, in s; the host's, so no part of a state */
-    char texts[TEXTS_SIZE];        /* one after the other, each in as much room */
-    char resources[TEXT_SIZE];     /* folder of the FMU's resources, empty where the host has told none */
+    double values[VARIABLE_COUNT]; /* by value reference; the first is the time that the run has reached, in s */
+    double stop_time;              /* limit of steps in s; set by the host, so no part of a saved state */
+    char texts[TEXTS_SIZE];        /* one after the other, TEXT_SIZE bytes each */
+    char resources[TEXT_SIZE];     /* folder of the FMU's resources, empty where the host gives none */
     ModelState state;
     ModelCoefficients coefficients;
-    bool prepared;    /* whether the coefficients are those of the parameters */
-    bool outputs_due; /* whether the initial outputs are to be computed, as something was set */
-    bool warned;      /* whether the parameters as they are were warned of */
+    bool prepared;    /* whether the coefficients are those of the present parameters */
+    bool outputs_due; /* whether initial outputs must be computed, as a variable was set */
+    bool warned;      /* whether a warning about the present parameters was logged */
 };
 
-/* In all that follows `function` is the standard's name of the function that was called, for messages. Functions that
- * return a status check that there is an instance. */
+/* In all functions below `function` is the name of the called function of the standard, for messages. Functions that
+ * return a status accept a null pointer as the instance and return an error. */
 
-/* Make an instance, or return NULL where name or token is wrong. The resources are a folder or its URI, or NULL. */
+/* Create an instance, or return NULL if name or token is wrong. `resources` is a folder, its URI, or NULL. */
 Instance *instance_new(const char *name, const char *token, const char *resources, bool logging, Host host,
                        const char *function);
-void instance_free(Instance *it);
+void instance_free(Instance *instance);
 
-/* Log an error and return its status. The format is printf's. */
-Status instance_fail(const Instance *it, const char *function, const char *format, ...);
-/* Refuse a function that this FMU has no use for, for a reason. */
-Status instance_unsupported(const Instance *it, const char *function, const char *reason);
+/* Log an error and return its status. The format is that of printf. */
+Status instance_fail(const Instance *instance, const char *function, const char *format, ...);
+/* Refuse the call of a function that this FMU does not support. */
+Status instance_unsupported(const Instance *instance, const char *function, const char *reason);
 
-/* Switch logging, of some categories or, where none is named, of all. */
-Status instance_set_logging(Instance *it, const char *function, bool on, size_t count, const char *const names[]);
+/* Switch logging on or off for the named categories, or for all if none is named. */
+Status instance_set_logging(Instance *instance, const char *function, bool on, size_t count, const char *const names[]);
 
-/* The life cycle; times in s. */
-/* The stop time is infinite where the host has none. */
-Status instance_set_up(Instance *it, const char *function, double start_time, double stop_time);
-Status instance_enter_initialisation(Instance *it, const char *function);
-Status instance_exit_initialisation(Instance *it, const char *function);
-Status instance_step(Instance *it, const char *function, double time, double step_size);
-Status instance_terminate(Instance *it, const char *function);
-Status instance_reset(Instance *it, const char *function);
+/* Life cycle; times in s. The stop time is infinite where the host gives none. */
+Status instance_set_up(Instance *instance, const char *function, double start_time, double stop_time);
+Status instance_enter_initialization(Instance *instance, const char *function);
+Status instance_exit_initialization(Instance *instance, const char *function);
+Status instance_step(Instance *instance, const char *function, double time, double step_size);
+Status instance_terminate(Instance *instance, const char *function);
+Status instance_reset(Instance *instance, const char *function);
 
-/* Check that values of a type can be read into an array, and bring outputs up to date, which before the end of the
- * initialisation may not be possible: a warning. Unless that is an error, read `values` then. */
-Status instance_read(Instance *it, const char *function, Type type, const uint32_t references[], size_t count,
-                     const void *values);
-/* Check the same for writing; then write one by one. */
-Status instance_may_write(const Instance *it, const char *function, Type type, const uint32_t references[],
-                          size_t count, const void *values);
-Status instance_write(Instance *it, const char *function, uint32_t reference, double value);
-/* The same for a text, and how to read one. */
-Status instance_write_text(Instance *it, const char *function, uint32_t reference, const char *text);
-const char *instance_text(const Instance *it, uint32_t reference);
-/* Refuse an access to a type that no variable here has; none of nothing is fine. */
-Status instance_no_such_type(const Instance *it, const char *function, const char *type, size_t count);
+/* Check that values of a type can be read into an array, and bring the outputs up to date. Before the end of the
+ * initialisation this may be impossible: a warning. Unless the status is an error, read `values` then. */
+Status instance_prepare_read(Instance *instance, const char *function, Type type, const uint32_t references[],
+                             size_t count, const void *values);
+/* Check that values of a type can be written from an array; then write one by one. */
+Status instance_check_write(const Instance *instance, const char *function, Type type, const uint32_t references[],
+                            size_t count, const void *values);
+Status instance_write(Instance *instance, const char *function, uint32_t reference, double value);
+Status instance_write_text(Instance *instance, const char *function, uint32_t reference, const char *text);
+const char *instance_text(const Instance *instance, uint32_t reference);
+/* Refuse the access to a type that no variable has, unless there are no references. */
+Status instance_refuse_type(const Instance *instance, const char *function, const char *type, size_t count);
 
-/* Complete states: allocated, reused where `*state` is one already, copied back, freed, as bytes. */
-Status instance_get_state(const Instance *it, const char *function, void **state);
-Status instance_set_state(Instance *it, const char *function, const void *state);
-Status instance_free_state(const Instance *it, const char *function, void **state);
-Status instance_state_size(const Instance *it, const char *function, const void *state, size_t *size);
-Status instance_state_to_bytes(const Instance *it, const char *function, const void *state, void *bytes, size_t size);
-Status instance_state_from_bytes(const Instance *it, const char *function, const void *bytes, size_t size,
+/* Complete states: saved into `*state`, which is allocated if NULL, restored, freed, converted to and from bytes. */
+Status instance_get_state(const Instance *instance, const char *function, void **state);
+Status instance_set_state(Instance *instance, const char *function, const void *state);
+Status instance_free_state(const Instance *instance, const char *function, void **state);
+Status instance_state_size(const Instance *instance, const char *function, const void *state, size_t *size);
+Status instance_state_to_bytes(const Instance *instance, const char *function, const void *state, void *bytes,
+                               size_t size);
+Status instance_state_from_bytes(const Instance *instance, const char *function, const void *bytes, size_t size,
                                  void **state);
 
 #endif

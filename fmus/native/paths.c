@@ -1,4 +1,4 @@
-/* Paths and URIs, see paths.h. */
+/* Paths and URIs. */
 #include "paths.h"
 
 #include <ctype.h>
@@ -11,34 +11,35 @@ static bool is_separator(char c)
     return c == '/' || c == '\\';
 }
 
-/* Whether a path begins with the letter of a drive, as C: or, in old URIs, C|. */
+/* Whether a path begins with a drive letter, as C: or, in old URIs, C|. */
 static bool begins_with_drive(const char *path)
 {
     return isalpha((unsigned char)path[0]) && (path[1] == ':' || path[1] == '|');
 }
 
-static int hexadecimal(char c)
+/* Return the value of a hexadecimal digit, or -1. */
+static int hexadecimal_digit(char c)
 {
     const char *digits = "0123456789abcdef";
     const char *found = c == '\0' ? NULL : strchr(digits, tolower((unsigned char)c));
     return found == NULL ? -1 : (int)(found - digits);
 }
 
-/* Replace %20 and its like by what they stand for; anything else that begins with % stays. */
+/* Decode percent encoding as in %20; other uses of % stay, and so does %00. */
 static void decode(char *text)
 {
     char *to = text;
     for (const char *from = text; *from != '\0'; ++from) {
-        const int high = *from == '%' ? hexadecimal(from[1]) : -1;
-        const int low = high >= 0 ? hexadecimal(from[2]) : -1;
-        const bool coded = low >= 0 && 16 * high + low > 0;
-        *to++ = coded ? (char)(16 * high + low) : *from;
-        from += coded ? 2 : 0;
+        const int high = *from == '%' ? hexadecimal_digit(from[1]) : -1;
+        const int low = high >= 0 ? hexadecimal_digit(from[2]) : -1;
+        const bool encoded = low >= 0 && 16 * high + low > 0;
+        *to++ = encoded ? (char)(16 * high + low) : *from;
+        from += encoded ? 2 : 0;
     }
     *to = '\0';
 }
 
-/* The path in a URI behind its "file:", the host's name kept where it is another machine. */
+/* Return the path in a URI after its "file:"; the name of another host stays. */
 static const char *path_of_uri(const char *uri)
 {
     if (strncmp(uri, "//", 2) != 0) {
@@ -49,10 +50,10 @@ static const char *path_of_uri(const char *uri)
     return length == 0 || (length == 9 && strncmp(host, "localhost", 9) == 0) ? host + length : uri;
 }
 
-void path_of_resources(const char *told, char folder[], size_t size)
+void path_of_resources(const char *location, char folder[], size_t size)
 {
-    const bool is_uri = told != NULL && strncmp(told, "file:", 5) == 0;
-    const char *path = told == NULL ? "" : is_uri ? path_of_uri(told + 5) : told;
+    const bool is_uri = location != NULL && strncmp(location, "file:", 5) == 0;
+    const char *path = location == NULL ? "" : is_uri ? path_of_uri(location + 5) : location;
     if (snprintf(folder, size, "%s", path) >= (int)size) {
         *folder = '\0';
     }
@@ -68,9 +69,9 @@ void path_of_resources(const char *told, char folder[], size_t size)
 void path_in_folder(const char *folder, const char *name, char path[], size_t size)
 {
     const size_t length = strlen(folder);
-    const bool whole = length == 0 || is_separator(name[0]) || begins_with_drive(name);
-    const char *joint = whole || is_separator(folder[length - 1]) ? "" : "/";
-    if (snprintf(path, size, "%s%s%s", whole ? "" : folder, joint, name) >= (int)size) {
+    const bool absolute = length == 0 || is_separator(name[0]) || begins_with_drive(name);
+    const char *separator = absolute || is_separator(folder[length - 1]) ? "" : "/";
+    if (snprintf(path, size, "%s%s%s", absolute ? "" : folder, separator, name) >= (int)size) {
         *path = '\0';
     }
 }

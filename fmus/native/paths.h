@@ -1,13 +1,13 @@
-/* Names of files as hosts and users give them. Texts that would not fit become empty. */
+/* Paths of files from hosts and users. A path that does not fit into its buffer becomes empty. */
 #ifndef PATHS_H
 #define PATHS_H
 
 #include <stddef.h>
 
-/* The folder of resources from what a host tells: a URI (file:///a%20b, file:///C:/a), a path, or NULL. */
-void path_of_resources(const char *told, char folder[], size_t size);
+/* Find the folder of resources from what a host passes: a URI (file:///a%20b, file:///C:/a), a path, or NULL. */
+void path_of_resources(const char *location, char folder[], size_t size);
 
-/* A file's path from a folder and its name; an absolute name (/a, \a, C:\a) or an empty folder leaves the name. */
+/* Join a folder and a file name; an absolute name (/a, \a, C:\a) or an empty folder leaves the name as it is. */
 void path_in_folder(const char *folder, const char *name, char path[], size_t size);
 
 #endif

@@ -1,1 +1,1 @@
-"""The code of a Python FMU. Apart from ``fmus/python``, where built Python FMUs lie."""
+"""Code of the Python FMUs. Built Python FMUs are in ``fmus/python``."""

@@ -1,8 +1,8 @@
-"""Any component as a pythonfmu slave.
+"""The pythonfmu slave of a component.
 
-pythonfmu's own registry of variables knows no units, bounds, dependencies or enumerations, and its accessors raise
-where a host passes something wrong, which is fatal to the host. So the slave answers every call from the component's
-declaration: setters never raise; what they refuse is logged, the old value stays, and the next step is discarded.
+pythonfmu's registry of variables has no units, bounds, dependencies or enumerations, and its accessors raise if a host
+passes a wrong argument, which is fatal to the host. So the slave uses the declaration of the component for every call.
+Setters never raise: a refused value is logged, the old value stays, and the next step is discarded.
 """
 
 from __future__ import annotations
@@ -19,26 +19,34 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from fmus.component import (
-    LATEST_TIME,
-    LONGEST_STEP,
-    SAME_TIME,
+    MAX_STEP_SIZE,
+    MAX_TIME,
+    TIME_TOLERANCE,
     Component,
     DefaultExperiment,
     ParameterError,
-    numbers_of,
+    pack_state,
     state_fields,
-    state_of,
+    unpack_state,
 )
-from fmus.variables import Variable
+from fmus.variables import VariableDeclaration
 
 _PHASES = ("instantiated", "initializing", "stepping", "terminated")
 
 
 class ComponentSlave(Fmi2Slave):
-    """An FMI 2.0 co-simulation slave made of a component.
+    """An FMI 2.0 co-simulation slave of a component; subclasses set the attributes.
 
-    Subclasses set ``component``, ``content_guid`` and ``experiment`` (stop time and step size of the default
-    experiment, in s, by name); the value reference of a variable is its position in ``component.variables``.
+    The value reference of a variable is its position in ``component.variables``.
+
+    Attributes
+    ----------
+    component
+        The component.
+    content_guid
+        GUID of the FMU.
+    experiment
+        Stop time and step size of the default experiment, in s, by name.
     """
 
     component: ClassVar[Component]
@@ -69,24 +77,46 @@ class ComponentSlave(Fmi2Slave):
     # ---- description -------------------------------------------------------------------------------------------------
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> ElementTree.Element:
-        """Return the component's own description; called by pythonfmu's builder, where fmpy is at hand."""
+        """Return the model description of the component; called by pythonfmu's builder only.
+
+        Parameters
+        ----------
+        model_options
+            Not used.
+
+        Returns
+        -------
+        xml.etree.ElementTree.Element
+            Root of the ``modelDescription.xml``.
+        """
         from fmus.export.model_description import model_description, to_xml
 
         description = model_description(
             self.component, DefaultExperiment(**self.experiment), self.content_guid, needs_execution_tool=True
         )
         root = ElementTree.fromstring(to_xml(description))
-        for element in root.iter():  # the builder indents anew
+        for element in root.iter():  # the builder indents it
             element.text = element.tail = None
         return root
 
     # ---- messages ----------------------------------------------------------------------------------------------------
 
     def log(self, msg: str, status: Fmi2Status = Fmi2Status.ok, *args: Any, **kwargs: Any) -> None:
-        """Log a message; a host reads it as a printf format, so percent signs are doubled."""
+        """Log a message; a host reads it as a printf format, so percent signs are doubled.
+
+        Parameters
+        ----------
+        msg
+            Text of the message.
+        status
+            Status that is passed to the host.
+        *args, **kwargs
+            Passed to pythonfmu.
+        """
         super().log(msg.replace("%", "%%"), status, *args, **kwargs)
 
     def _fault(self, name: str, problem: str) -> None:
+        """Log an error; the next step is discarded for it. A legal value of the same name removes it."""
         self._faults[name] = problem
         self.log(problem, Fmi2Status.error)
 
@@ -96,7 +126,7 @@ class ComponentSlave(Fmi2Slave):
 
     # ---- values ------------------------------------------------------------------------------------------------------
 
-    def _variable(self, reference: int, kinds: tuple[type, ...]) -> Variable | None:
+    def _variable(self, reference: int, kinds: tuple[type, ...]) -> VariableDeclaration | None:
         """Look up a variable of one of the types; log and return None where there is none."""
         if not 0 <= reference < len(self._variables):
             self._fault(f"#{reference}", f"expected a value reference below {len(self._variables)}, got {reference}")
@@ -110,7 +140,7 @@ class ComponentSlave(Fmi2Slave):
             return None
         return variable
 
-    def _may_be_set(self, variable: Variable) -> bool:
+    def _is_settable(self, variable: VariableDeclaration) -> bool:
         if variable.causality == "input" or variable.variability == "tunable":
             return self._phase != "terminated"
         return variable.variability == "fixed" and self._phase in ("instantiated", "initializing")
@@ -120,7 +150,7 @@ class ComponentSlave(Fmi2Slave):
             variable = self._variable(reference, kinds)
             if variable is None:
                 continue
-            if not self._may_be_set(variable):
+            if not self._is_settable(variable):
                 what = f"{variable.variability} {variable.causality}"
                 self._fault(variable.name, f"{variable.name}: a {what} may not be set while {self._phase}, got {value}")
             elif problem := variable.problem(value):
@@ -132,45 +162,121 @@ class ComponentSlave(Fmi2Slave):
                 if variable.causality == "parameter":
                     self._coefficients = None
 
-    def _get(self, references: Sequence[int], kinds: tuple[type, ...], nothing: Any) -> list[Any]:
+    def _get(self, references: Sequence[int], kinds: tuple[type, ...], missing: Any) -> list[Any]:
         if self._outputs_due and self._phase in ("instantiated", "initializing"):
-            self._initialise()  # what is wrong is told at the end of the initialisation: until then it may be mended
-        found = []
+            self._initialize()  # errors are reported at the end of the initialisation: until then values may change
+        values = []
         for reference in references:
             variable = self._variable(reference, kinds)
-            found.append(nothing if variable is None else self._values[reference])
-        return found
+            values.append(missing if variable is None else self._values[reference])
+        return values
 
     def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
-        """Set numbers by value reference."""
+        """Set numbers.
+
+        Parameters
+        ----------
+        vrs
+            Value references.
+        values
+            One value for each reference, in the unit of the variable.
+        """
         self._set(vrs, values, (float,))
 
     def set_integer(self, vrs: Sequence[int], values: Sequence[int]) -> None:
-        """Set integers and enumerations by value reference."""
+        """Set integers and enumerations.
+
+        Parameters
+        ----------
+        vrs
+            Value references.
+        values
+            One value for each reference, in the unit of the variable.
+        """
         self._set(vrs, values, (int,))
 
     def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
-        """Set Booleans by value reference."""
+        """Set Booleans.
+
+        Parameters
+        ----------
+        vrs
+            Value references.
+        values
+            One value for each reference, in the unit of the variable.
+        """
         self._set(vrs, values, (bool,))
 
     def set_string(self, vrs: Sequence[int], values: Sequence[str]) -> None:
-        """Set texts by value reference."""
+        """Set texts.
+
+        Parameters
+        ----------
+        vrs
+            Value references.
+        values
+            One value for each reference, in the unit of the variable.
+        """
         self._set(vrs, values, (str,))
 
     def get_real(self, vrs: Sequence[int]) -> list[float]:
-        """Get numbers by value reference; NaN where there is none."""
+        """Get numbers.
+
+        Parameters
+        ----------
+        vrs
+            Value references.
+
+        Returns
+        -------
+        list
+            One value for each reference, NaN for a reference of no such variable.
+        """
         return self._get(vrs, (float,), math.nan)
 
     def get_integer(self, vrs: Sequence[int]) -> list[int]:
-        """Get integers and enumerations by value reference; 0 where there is none."""
+        """Get integers and enumerations.
+
+        Parameters
+        ----------
+        vrs
+            Value references.
+
+        Returns
+        -------
+        list
+            One value for each reference, 0 for a reference of no such variable.
+        """
         return [int(value) for value in self._get(vrs, (int,), 0)]
 
     def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
-        """Get Booleans by value reference; False where there is none."""
+        """Get Booleans.
+
+        Parameters
+        ----------
+        vrs
+            Value references.
+
+        Returns
+        -------
+        list
+            One value for each reference, False for a reference of no such variable.
+        """
         return self._get(vrs, (bool,), False)
 
     def get_string(self, vrs: Sequence[int]) -> list[str]:
-        """Get texts by value reference; an empty one where there is none."""
+        """Get texts.
+
+        Parameters
+        ----------
+        vrs
+            Value references.
+
+        Returns
+        -------
+        list
+            One value for each reference, an empty text for a reference of no such variable.
+        """
         return self._get(vrs, (str,), "")
 
     # ---- life cycle --------------------------------------------------------------------------------------------------
@@ -178,41 +284,51 @@ class ComponentSlave(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
-        """Take the start time, and the stop time if there is one, both in s."""
+        """Set start and stop time.
+
+        Parameters
+        ----------
+        start_time
+            In s.
+        stop_time
+            In s; None for no limit.
+        tolerance
+            Not used.
+        """
         if self._phase != "instantiated":
-            self._go_on("instantiated", "instantiated")
+            self._change_phase("instantiated", "instantiated")
             return
         self._stop_time = math.inf if stop_time is None else stop_time
-        if abs(start_time) <= LATEST_TIME:
+        if abs(start_time) <= MAX_TIME:
             self._time = self._values[0] = start_time
             self._outputs_due = True
         else:
-            self._fault("time", f"start time: expected at most {LATEST_TIME:g} s either way, got {start_time} s")
+            self._fault("time", f"start time: expected at most {MAX_TIME:g} s either way, got {start_time} s")
 
     def enter_initialization_mode(self) -> None:
-        """Begin the initialisation."""
-        self._go_on("instantiated", "initializing")
+        """Enter the initialisation."""
+        self._change_phase("instantiated", "initializing")
 
     def exit_initialization_mode(self) -> None:
-        """Check the parameters against one another and compute the first outputs; where they do not allow it, stay."""
-        if self._phase == "initializing" and (problem := self._initialise()):
+        """Prepare the parameters, compute the initial outputs and leave the initialisation; stay in it on an error."""
+        if self._phase == "initializing" and (problem := self._initialize()):
             self._fault("initialization", problem)
         else:
-            self._go_on("initializing", "stepping")
+            self._change_phase("initializing", "stepping")
 
     def terminate(self) -> None:
         """End the run."""
-        self._go_on("stepping", "terminated")
+        self._change_phase("stepping", "terminated")
 
-    def _go_on(self, before: str, after: str) -> None:
-        """Go from one phase to the next."""
+    def _change_phase(self, before: str, after: str) -> None:
+        """Change the phase, if the present one is ``before``."""
         if self._phase == before:
             self._phase = after
         else:
             self._fault("call", f"expected a call while {before}, got one while {self._phase}")
 
     def _prepare(self) -> str | None:
-        """Derive the coefficients of the parameters as they are now; return what is wrong with them, or None."""
+        """Derive the coefficients of the present parameters; return what is wrong with them, or None."""
         if self._coefficients is not None:
             return None
         parameters = self._parameters(self._values)
@@ -229,21 +345,21 @@ class ComponentSlave(Fmi2Slave):
         return None
 
     def _parameters(self, values: Sequence[Any]) -> Any:
-        return self.component.parameters(*(self._whole(value) for value in values[self._slices["parameter"]]))
+        return self.component.parameters(*(self._resolve_path(value) for value in values[self._slices["parameter"]]))
 
-    def _whole(self, value: Any) -> Any:
-        """Make the whole path of a file's name, relative to the FMU's resources; other values stay."""
+    def _resolve_path(self, value: Any) -> Any:
+        """Return the whole path of a file, which is relative to the resources of the FMU; other values stay."""
         return str(Path(self.resources, value)) if isinstance(value, str) else value
 
     def _inputs(self) -> Any:
         return self.component.inputs(*self._values[self._slices["input"]])
 
-    def _initialise(self) -> str | None:
-        """Compute the state and the outputs at the start; return what does not allow it, or None."""
+    def _initialize(self) -> str | None:
+        """Compute state and outputs at the start; return what prevents it, or None."""
         if problem := self._prepare():
             return problem
         try:
-            state, outputs = self.component.initial(self._inputs(), self._coefficients, self._time)
+            state, outputs = self.component.initialize(self._inputs(), self._coefficients, self._time)
         except (ArithmeticError, ValueError) as error:
             return f"{type(error).__name__}: {error}"
         values = self._output_values(outputs)
@@ -255,32 +371,47 @@ class ComponentSlave(Fmi2Slave):
         return None
 
     def _not_finite(self, outputs: Sequence[float]) -> str | None:
-        """Say which output is not a finite number, or None."""
+        """Return which output is not a finite number, or None."""
         for variable, value in zip(self._variables[self._slices["output"]], outputs, strict=True):
             if not math.isfinite(value):
                 return f"{variable.name}: expected a finite number, got {value} at t = {self._time} s"
         return None
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance from ``current_time`` by ``step_size``, both in s; False (discard) leaves everything as it was."""
+        """Take a communication step.
+
+        Parameters
+        ----------
+        current_time
+            Begin of the step, in s; must be the time that the run has reached.
+        step_size
+            In s.
+
+        Returns
+        -------
+        bool
+            False (discard) if the step was refused; then nothing has changed.
+        """
         if self._phase != "stepping":
-            why = self._initialise() if self._phase == "initializing" else None  # which a host cannot be told there
+            reason = (
+                self._initialize() if self._phase == "initializing" else None
+            )  # the initialisation cannot report it
             expected = f"expected a call after initialisation, got one while {self._phase}"
-            return self._refuse_step(current_time, "; ".join(filter(None, (expected, why))))
+            return self._refuse_step(current_time, "; ".join(filter(None, (expected, reason))))
         if self._faults:
             reasons = "; ".join(self._faults.values())
             self._faults.clear()
             return self._refuse_step(current_time, reasons)
-        if not abs(current_time - self._time) <= SAME_TIME * max(1.0, abs(self._time)):
+        if not abs(current_time - self._time) <= TIME_TOLERANCE * max(1.0, abs(self._time)):
             return self._refuse_step(current_time, f"expected the time {self._time} s, got {current_time} s")
-        if not 0.0 < step_size <= LONGEST_STEP:
-            expected = f"expected a step size above 0 and up to {LONGEST_STEP:g} s"
+        if not 0.0 < step_size <= MAX_STEP_SIZE:
+            expected = f"expected a step size above 0 and up to {MAX_STEP_SIZE:g} s"
             return self._refuse_step(current_time, f"{expected}, got {step_size} s")
-        if current_time + step_size > self._stop_time + SAME_TIME * max(1.0, abs(self._stop_time)):
+        if current_time + step_size > self._stop_time + TIME_TOLERANCE * max(1.0, abs(self._stop_time)):
             expected = f"expected a step to the stop time {self._stop_time} s at most"
             return self._refuse_step(current_time, f"{expected}, got one to {current_time + step_size} s")
-        if not abs(current_time + step_size) <= LATEST_TIME:
-            expected = f"expected a step that ends within {LATEST_TIME:g} s either way"
+        if not abs(current_time + step_size) <= MAX_TIME:
+            expected = f"expected a step that ends within {MAX_TIME:g} s either way"
             return self._refuse_step(current_time, f"{expected}, got {step_size} s")
         if problem := self._prepare():
             return self._refuse_step(current_time, problem)
@@ -289,7 +420,7 @@ class ComponentSlave(Fmi2Slave):
                 self._state, self._inputs(), self._coefficients, current_time, step_size
             )
             values = self._output_values(outputs)
-        except (ArithmeticError, ValueError) as error:  # Python's functions refuse what C's make a NaN of
+        except (ArithmeticError, ValueError) as error:  # where C functions return NaN
             return self._refuse_step(current_time, f"{type(error).__name__}: {error}")
         if problem := self._not_finite(values):
             return self._refuse_step(current_time, problem)
@@ -306,7 +437,7 @@ class ComponentSlave(Fmi2Slave):
             "phase": self._phase,
             "time": self._time,
             "values": [v if isinstance(v, bool | str) else float(v) for v in self._values],
-            "state": None if self._state is None else numbers_of(self._state),
+            "state": None if self._state is None else pack_state(self._state),
             "outputs_due": self._outputs_due,
             "faults": dict(self._faults),
             "warned": list(self._warned),
@@ -317,20 +448,20 @@ class ComponentSlave(Fmi2Slave):
             got = str(state.get("guid"))[:100]
             self._fault("state", f"state: expected one of {self.modelName} {self.content_guid}, got {got}")
             return
-        if not self._is_possible(state):
+        if not self._is_reachable(state):
             self._fault("state", f"state: expected one of {self.modelName}, got what no instance can have")
             return
         self._phase = state["phase"]
         self._time = state["time"]
         self._values = [v.type(x) for v, x in zip(self._variables, state["values"], strict=True)]
-        self._state = None if state["state"] is None else state_of(self.component.state, state["state"])
+        self._state = None if state["state"] is None else unpack_state(self.component.state, state["state"])
         self._outputs_due = state["outputs_due"]
         self._faults = dict(state["faults"])
         self._warned = list(state["warned"])
         self._coefficients = None
 
-    def _is_possible(self, state: dict[str, Any]) -> bool:
-        """Whether an instance can have got into a state of this form; what comes from bytes may be anything."""
+    def _is_reachable(self, state: dict[str, Any]) -> bool:
+        """Whether an instance can reach a state; a state from bytes may have any content."""
         try:
             values = [v.type(x) for v, x in zip(self._variables, state["values"], strict=True)]
             known = not any(
@@ -343,31 +474,31 @@ class ComponentSlave(Fmi2Slave):
                 known
                 and calculated
                 and plain
-                and abs(time) <= LATEST_TIME
+                and abs(time) <= MAX_TIME
                 and time == values[0]
                 and state["phase"] in _PHASES
                 and (state["state"] is not None or state["phase"] in _PHASES[:2])
-                and (state["state"] is None or self._is_state(state["state"], values, time, state["phase"]))
+                and (state["state"] is None or self._is_valid_state(state["state"], values, time, state["phase"]))
             )
         except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError):
             return False
 
-    def _is_state(self, numbers: list[float], values: list[Any], time: float, phase: str) -> bool:
-        """Whether numbers are those of a model's state when it has reached a time, in s, with these values.
+    def _is_valid_state(self, numbers: list[float], values: list[Any], time: float, phase: str) -> bool:
+        """Whether numbers are a state of the model at a time in s with these values.
 
-        Before the steps it may be that of another time: it is made anew as the initialisation ends.
+        Before the first step it may be a state of another time: the initialisation replaces it.
         """
         count = sum(field.length or 1 for field in state_fields(self.component.state))
         if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
             return False
-        state = state_of(self.component.state, numbers)
-        is_valid_state = phase != "stepping" or self.component.is_valid_state(state, self._parameters(values), time)
-        return numbers_of(state) == numbers and is_valid_state
+        state = unpack_state(self.component.state, numbers)
+        is_valid = phase != "stepping" or self.component.is_valid_state(state, self._parameters(values), time)
+        return pack_state(state) == numbers and is_valid
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
         try:
-            found = json.loads(state.decode("utf-8"))
+            content = json.loads(state.decode("utf-8"))
         except (ValueError, RecursionError):
-            found = None
-        return found if isinstance(found, dict) else {"guid": "a byte string that is no state"}
+            content = None
+        return content if isinstance(content, dict) else {"guid": "a byte string that is no state"}

@@ -1,12 +1,12 @@
 """Main script of every Python FMU: loads the component that ``component.json`` beside it names.
 
-The sources lie in ``model``. They are imported privately, so that an FMU runs the code it carries, whatever other FMUs
-or the host have loaded under the same module names. (The script's own name carries the FMU's GUID for that reason.)
+The sources are in ``model``. They are imported privately, so that an FMU runs its own code even if other FMUs or the
+host have loaded modules of the same names. (For the same reason the file name of this script contains the GUID.)
 
-pythonfmu 0.7.0 imports this file once per process, but also executes it anew with every instance, in the same names; by
-then the folder of the first instance may be gone. So everything that reads files is done the first time only.
-The class is made anew, and some kilobytes of it stay with each instance; but it must be: pythonfmu releases it once too
-often, and a host crashes as it ends if all instances share one.
+pythonfmu 0.7.0 imports this file once per process, but also executes it again in the same namespace for every instance.
+By then the folder of the first instance may be deleted, so files are read the first time only. The class is created for
+each instance, which leaves some kilobytes behind: pythonfmu releases the class once too often, and the host would crash
+at its end if all instances shared one.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 
 
 def _import_privately(folder: Path, names: list[str]) -> list[ModuleType]:
-    """Import modules from a folder, and leave the process's table of modules as it was."""
+    """Import modules from a folder and restore ``sys.modules``."""
     packages = {path.name for path in folder.iterdir()}
     outside = {name: module for name, module in sys.modules.items() if name.partition(".")[0] in packages}
     for name in outside:
@@ -45,23 +45,23 @@ if "_slave" not in globals():
     _libraries: list[Path] = []
 
 
-def _make_up_for_pythonfmu(resources: Path, name: str) -> None:
-    """Mend what pythonfmu 0.7.0 does to its host with every instance."""
-    # It returns one reference too many to this module's names, which crashes the process after a few instances: lend
-    # it one each time.
+def _work_around_pythonfmu(resources: Path, name: str) -> None:
+    """Work around errors of pythonfmu 0.7.0 that concern the host."""
+    # It releases one reference too many to the namespace of this module with every instance, which would crash the
+    # process after a few instances: hold one reference each time.
     _held.append(globals())
-    # It leaves the FMU's folder in the host's search path, where it would outlive the folder.
+    # It leaves the folder of the FMU in the search path of the host, also when the folder is deleted.
     if str(resources) in sys.path:
         sys.path.remove(str(resources))
-    # On Linux its library touches freed memory as the process exits, unless it is told to let go before. (Where the
-    # library itself has started Python, there is no original command line, and it lets go by itself.)
+    # On Linux its library accesses freed memory at the exit of the process, unless it is finalized before. (If the
+    # library has started Python itself, there is no original command line, and it finalizes itself.)
     library = resources.parent / "binaries" / "linux64" / f"{name}.so"
     if sys.orig_argv and library.exists() and library not in _libraries:
         _libraries.append(library)
         atexit.register(ctypes.CDLL(str(library)).finalizePythonInterpreter)
 
 
-class Slave(_slave.ComponentSlave):  # type: ignore[misc, name-defined]
+class PythonSlave(_slave.ComponentSlave):  # type: ignore[misc, name-defined]
     """The slave that pythonfmu instantiates."""
 
     component = getattr(_model, _identity["attribute"])
@@ -69,6 +69,6 @@ class Slave(_slave.ComponentSlave):  # type: ignore[misc, name-defined]
     experiment = _identity["experiment"]
 
     def __init__(self, **kwargs: Any) -> None:
-        if "logger" in kwargs:  # which a host passes, and the builder does not
-            _make_up_for_pythonfmu(Path(kwargs["resources"]), self.component.name)
+        if "logger" in kwargs:  # passed by a host, not by the builder
+            _work_around_pythonfmu(Path(kwargs["resources"]), self.component.name)
         super().__init__(**kwargs)

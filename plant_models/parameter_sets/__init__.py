@@ -1,8 +1,8 @@
-"""Parameter sets of the plant as SSP 1.0 files: what the paper does not publish, calibrated openly.
+"""Parameter sets of the plant as SSP 1.0 files: values that the paper does not publish, calibrated against its tables.
 
-Names in them are ``component.variable`` of the seat suspension; each parameter says where its value comes from.
-``python -m studies.calibrate --write`` makes them anew; ``docs/explanation/calibration.md`` tells how, and how sure
-they are.
+The names in a set are ``component.variable`` of the seat suspension. Each parameter states the source of its value.
+``python -m studies.calibrate --write`` writes the files; ``docs/explanation/calibration.md``
+describes the method and the uncertainty.
 """
 
 from __future__ import annotations
@@ -10,21 +10,26 @@ from __future__ import annotations
 from pathlib import Path
 
 NAMES = ("load", "passive", "prototype", "ride")
-"""The load of the experiments; the well-tuned passive seat; imperfections of the active prototype; the random ride."""
+"""The load of the experiments; the passive reference seat; imperfections of the active prototype; the random ride."""
 
 
 def path(name: str) -> Path:
-    """Return the file of a set that comes with the package.
+    """Return the file of a parameter set.
 
     Parameters
     ----------
     name
         One of :data:`NAMES`.
 
+    Returns
+    -------
+    Path
+        The ``.ssv`` file in this package.
+
     Raises
     ------
     ValueError
-        If it is none.
+        If there is no set of that name.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""The seat: two masses, friction, actuator, sensors, end stops."""
+"""The seat: two masses on a suspension, Bouc-Wen friction, actuator, sensors, end stops."""

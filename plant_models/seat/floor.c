@@ -1,10 +1,10 @@
-/* The floor derived from one of its signals; explained in floor.py. */
+/* The floor derived from one of its signals; see floor.py for the method. */
 #include "floor.h"
 
-/* A sample that comes sooner after the last one, in s, is left out: differences would show little but rounding. */
-static const double shortest_interval = 1e-5;
+/* A sample that follows the last one sooner, in s, is ignored: its differences are mostly rounding errors. */
+static const double min_interval = 1e-5;
 
-/* Start from the motion at initialisation, with the sample in place of its own part of it. */
+/* Replace the used signal in the motion at initialisation by its first sample. */
 static void first_sample(floor_motion *node, const seat_plant_inputs *inputs, int signals)
 {
     if (signals == SEAT_PLANT_DISPLACEMENT) {
@@ -37,15 +37,15 @@ static void next_sample(floor_motion *node, double age, double interval, const s
     }
 }
 
-floor_motion floor_derived(floor_history *history, const seat_plant_inputs *inputs, int signals, double step_size)
+floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs *inputs, int signals, double step_size)
 {
     const double age = history->age;
     floor_motion node = {history->displacement, history->velocity, history->acceleration};
-    floor_motion floor;
-    if (age > 0.0 && age < shortest_interval) {
-        floor.displacement = floor_displacement_at(&node, age);
-        floor.velocity = floor_velocity_at(&node, age);
-        floor.acceleration = node.acceleration;
+    floor_motion motion;
+    if (age > 0.0 && age < min_interval) {
+        motion.displacement = floor_displacement_at(&node, age);
+        motion.velocity = floor_velocity_at(&node, age);
+        motion.acceleration = node.acceleration;
         history->age = age + step_size;
     } else {
         if (age > 0.0) {
@@ -53,17 +53,18 @@ floor_motion floor_derived(floor_history *history, const seat_plant_inputs *inpu
             history->interval = age;
         } else {
             first_sample(&node, inputs, signals);
-            history->reached = node.displacement;
+            history->end_displacement = node.displacement;
         }
-        floor = node;
+        motion = node;
         history->age = step_size;
     }
-    /* never faster than the error arose: a short step after a long one would be a jump */
-    floor.velocity += (floor.displacement - history->reached) / (step_size > age ? step_size : age);
-    floor.displacement = history->reached;
+    /* the correction takes as long as the deviation took to arise: in a short step after a long one it would be a
+     * jump */
+    motion.velocity += (motion.displacement - history->end_displacement) / (step_size > age ? step_size : age);
+    motion.displacement = history->end_displacement;
     history->displacement = node.displacement;
     history->velocity = node.velocity;
     history->acceleration = node.acceleration;
-    history->reached = floor_displacement_at(&floor, step_size);
-    return floor;
+    history->end_displacement = floor_displacement_at(&motion, step_size);
+    return motion;
 }

@@ -1,38 +1,43 @@
-/* The floor over a step: the twin of floor.py. Times in s. */
+/* Motion of the floor over a communication step, the C twin of floor.py. Times in s, up positive. */
 #ifndef FLOOR_H
 #define FLOOR_H
 
 #include "interface.h"
 
-/* The floor over a step: second-order Taylor series about the step's begin. */
+/* Second-order Taylor series about the begin of the step: z_v in m, z_v' in m/s, z_v'' in m/s2. */
 typedef struct {
     double displacement, velocity, acceleration;
 } floor_motion;
 
-/* What a derived floor remembers. */
+/* State of a derived floor. */
 typedef struct {
-    double displacement, velocity, acceleration; /* motion at the last sample, as given or derived, in m, m/s, m/s2 */
-    double age, interval;                        /* the time since then and from the sample before till then, in s */
-    double reached;                              /* where the last step has left the floor, in m */
+    double displacement, velocity, acceleration; /* motion at the last sample, given or derived, in m, m/s, m/s2 */
+    double age;                                  /* time since the last sample in s, 0 before the first one */
+    double interval;                             /* time between the last two samples in s, 0 where there is one only */
+    double end_displacement;                     /* at the end of the last step, in m */
 } floor_history;
 
-static inline double floor_displacement_at(const floor_motion *floor, double tau)
+/* Return z_v in m at tau seconds after the begin of the step. */
+static inline double floor_displacement_at(const floor_motion *motion, double tau)
 {
-    return floor->displacement + tau * (floor->velocity + 0.5 * tau * floor->acceleration);
+    return motion->displacement + tau * (motion->velocity + 0.5 * tau * motion->acceleration);
 }
 
-static inline double floor_velocity_at(const floor_motion *floor, double tau)
+/* Return z_v' in m/s at tau seconds after the begin of the step. */
+static inline double floor_velocity_at(const floor_motion *motion, double tau)
 {
-    return floor->velocity + tau * floor->acceleration;
+    return motion->velocity + tau * motion->acceleration;
 }
 
-static inline floor_motion floor_given(const seat_plant_inputs *inputs)
+/* Return the motion that the three floor inputs describe. */
+static inline floor_motion floor_motion_from_inputs(const seat_plant_inputs *inputs)
 {
-    const floor_motion floor = {inputs->floor_displacement, inputs->floor_velocity, inputs->floor_acceleration};
-    return floor;
+    const floor_motion motion = {inputs->floor_displacement, inputs->floor_velocity, inputs->floor_acceleration};
+    return motion;
 }
 
-/* Derive the floor over a step from the one signal that is alive, and move its history to the step's end. */
-floor_motion floor_derived(floor_history *history, const seat_plant_inputs *inputs, int signals, double step_size);
+/* Derive the motion over a step from the one signal that is used, and move its history to the end of the step. */
+floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs *inputs, int signals,
+                                 double step_size);
 
 #endif

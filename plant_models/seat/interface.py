@@ -1,4 +1,7 @@
-"""The SeatPlant FMU's variables: the one declaration (contract of units and signs in the README)."""
+"""Variables of the SeatPlant FMU; the README states units and signs.
+
+The dataclasses are the only declaration: FMU descriptions, C headers and documentation are generated from them.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from fmus.variables import POSITIVE, Terminal, input_, output, parameter
-from plant_models.random_numbers import MOST_SEED
+from plant_models.random_numbers import MAX_SEED
 from plant_models.seat import parameters as p
 
 _FORCE_BALANCE = (
@@ -21,15 +24,15 @@ _FORCE_BALANCE = (
     "end_stop.stiffness",
     "end_stop.damping",
 )
-"""What the seat's acceleration depends on while everything is at rest."""
+"""Variables on which the acceleration of the seat depends at rest."""
 
 
-LONGEST_DELAY = 0.2
-"""In s; what the actuator's delay line holds, see :mod:`plant_models.seat.actuator`."""
+MAX_DELAY = 0.2
+"""Longest delay of the actuator, in s, see :mod:`plant_models.seat.actuator`."""
 
 
 class FloorSignals(IntEnum):
-    """Which of the floor's inputs are alive; the others are derived."""
+    """Floor inputs that are used; the others are derived from them."""
 
     all = 1
     displacement = 2
@@ -39,7 +42,15 @@ class FloorSignals(IntEnum):
 
 @dataclass(slots=True)
 class Inputs:
-    """What the floor and the actuator do to the seat."""
+    """Inputs of the seat.
+
+    Attributes
+    ----------
+    floor_displacement, floor_velocity, floor_acceleration
+        z_v in m, z_v' in m/s, z_v'' in m/s2, up positive.
+    force
+        Force u_sat of the actuator on the seat, in N, up positive.
+    """
 
     floor_displacement: float = input_("m", "Cabin floor displacement z_v from equilibrium, up positive", nominal=0.01)
     floor_velocity: float = input_("m/s", "Cabin floor velocity", nominal=0.1)
@@ -49,7 +60,21 @@ class Inputs:
 
 @dataclass(slots=True)
 class Outputs:
-    """What the seat does, and what its sensors report."""
+    """Outputs of the seat, up positive.
+
+    Attributes
+    ----------
+    seat_acceleration, driver_acceleration
+        z_s'' and z_b'', in m/s2, without gravity.
+    suspension_deflection, deflection_rate
+        z_s - z_v in m and its rate in m/s.
+    seat_displacement, driver_displacement
+        z_s and z_b, in m, from static equilibrium.
+    friction_force
+        f_r (35), in N; acts on the seat as -f_r.
+    seat_acceleration_measured, suspension_deflection_measured
+        Measurements of the two sensors, in m/s2 and m.
+    """
 
     seat_acceleration: float = output(
         "m/s2",
@@ -69,7 +94,7 @@ class Outputs:
     )
     seat_acceleration_measured: float = output(
         "m/s2",
-        "Seat acceleration as its sensor reports it",
+        "Seat acceleration as measured by its sensor",
         nominal=1.0,
         dependencies=[
             *_FORCE_BALANCE,
@@ -81,7 +106,7 @@ class Outputs:
     )
     suspension_deflection_measured: float = output(
         "m",
-        "Suspension deflection as its sensor reports it",
+        "Suspension deflection as measured by its sensor",
         nominal=0.01,
         dependencies=[
             "floor_displacement",
@@ -95,7 +120,10 @@ class Outputs:
 
 @dataclass(slots=True)
 class Parameters:
-    """The seat's masses, springs, dampers and friction, what it hears of the floor, and its imperfections."""
+    """Parameters of the seat: masses, springs, dampers, friction, used floor signals, imperfections.
+
+    Each field states unit, range and source in its declaration.
+    """
 
     driver_mass: float = parameter(p.DRIVER_MASS, "Driver mass on the seat", minimum=POSITIVE)
     seat_mass: float = parameter(p.SEAT_MASS, "Seat frame mass", minimum=POSITIVE)
@@ -104,19 +132,23 @@ class Parameters:
     cushion_stiffness: float = parameter(p.CUSHION_STIFFNESS, "Cushion stiffness, seat to driver", minimum=0.0)
     cushion_damping: float = parameter(p.CUSHION_DAMPING, "Cushion damping, seat to driver", minimum=0.0)
     friction_alpha: float = parameter(
-        p.FRICTION_ALPHA, "Friction force per state, 0 for none", name="friction.alpha", minimum=0.0
+        p.FRICTION_ALPHA, "Friction force per friction state, 0 for none", name="friction.alpha", minimum=0.0
     )
     friction_gamma: float = parameter(p.FRICTION_GAMMA, "Bouc-Wen gamma", name="friction.gamma", minimum=0.0)
     friction_beta: float = parameter(p.FRICTION_BETA, "Bouc-Wen beta, |beta| < gamma", name="friction.beta")
     friction_amplitude: float = parameter(p.FRICTION_A, "Bouc-Wen A", name="friction.A", minimum=POSITIVE)
     floor_signals: FloorSignals = parameter(
-        FloorSignals.all, "Which floor inputs are alive after initialisation; the others are derived"
+        FloorSignals.all, "Floor inputs that are used after initialisation; the others are derived from them"
     )
     actuator_force_limit: float = parameter(
         p.ACTUATOR_FORCE_LIMIT, "Largest force of the actuator, 0 for none", name="actuator.force_limit", minimum=0.0
     )
     actuator_delay: float = parameter(
-        p.ACTUATOR_DELAY, "Time from force to actuator", name="actuator.delay", minimum=0.0, maximum=LONGEST_DELAY
+        p.ACTUATOR_DELAY,
+        "Delay from the force input to the actuator",
+        name="actuator.delay",
+        minimum=0.0,
+        maximum=MAX_DELAY,
     )
     actuator_time_constant: float = parameter(
         p.ACTUATOR_TIME_CONSTANT,
@@ -127,38 +159,44 @@ class Parameters:
     )
     sensor_bandwidth: float = parameter(
         p.SENSOR_BANDWIDTH,
-        "Corner of both sensors' first-order low-pass, 0 for none",
+        "Corner frequency of both sensors' first-order low-pass, 0 for none",
         name="sensor.bandwidth",
         minimum=0.0,
     )
     acceleration_noise: float = parameter(
-        p.ACCELERATION_NOISE, "Noise of the acceleration, rms", name="sensor.acceleration_noise", minimum=0.0
+        p.ACCELERATION_NOISE, "RMS of the acceleration sensor's noise", name="sensor.acceleration_noise", minimum=0.0
     )
     acceleration_bias: float = parameter(
-        p.ACCELERATION_BIAS, "Offset of the acceleration", name="sensor.acceleration_bias"
+        p.ACCELERATION_BIAS, "Offset of the acceleration sensor", name="sensor.acceleration_bias"
     )
     acceleration_resolution: float = parameter(
         p.ACCELERATION_RESOLUTION,
-        "Smallest step of the acceleration, 0 for none",
+        "Resolution of the acceleration sensor, 0 for none",
         name="sensor.acceleration_resolution",
         minimum=0.0,
     )
     deflection_noise: float = parameter(
-        p.DEFLECTION_NOISE, "Noise of the deflection, rms", name="sensor.deflection_noise", minimum=0.0
+        p.DEFLECTION_NOISE, "RMS of the deflection sensor's noise", name="sensor.deflection_noise", minimum=0.0
     )
-    deflection_bias: float = parameter(p.DEFLECTION_BIAS, "Offset of the deflection", name="sensor.deflection_bias")
+    deflection_bias: float = parameter(
+        p.DEFLECTION_BIAS, "Offset of the deflection sensor", name="sensor.deflection_bias"
+    )
     deflection_resolution: float = parameter(
         p.DEFLECTION_RESOLUTION,
-        "Smallest step of the deflection, 0 for none",
+        "Resolution of the deflection sensor, 0 for none",
         name="sensor.deflection_resolution",
         minimum=0.0,
     )
     sensor_seed: int = parameter(
-        1, "Which noise: same seed, same samples", name="sensor.seed", minimum=0, maximum=MOST_SEED
+        1,
+        "Seed of the sensor noise: the same seed gives the same noise",
+        name="sensor.seed",
+        minimum=0,
+        maximum=MAX_SEED,
     )
     end_stop_travel: float = parameter(
         p.END_STOP_TRAVEL,
-        "Deflection each way at which the end stops begin, 0 for none",
+        "Deflection in either direction at which the end stops begin, 0 for none",
         name="end_stop.travel",
         minimum=0.0,
     )
@@ -166,7 +204,7 @@ class Parameters:
         p.END_STOP_STIFFNESS, "Stiffness of the end stops", name="end_stop.stiffness", minimum=0.0
     )
     end_stop_damping: float = parameter(
-        p.END_STOP_DAMPING, "Damping of the end stops, which never pull", name="end_stop.damping", minimum=0.0
+        p.END_STOP_DAMPING, "Damping of the end stops; their force never pulls", name="end_stop.damping", minimum=0.0
     )
 
 
@@ -176,10 +214,10 @@ TERMINALS = (
         "Motion of the cabin floor",
         {"displacement": "floor_displacement", "velocity": "floor_velocity", "acceleration": "floor_acceleration"},
     ),
-    Terminal("actuator", "What the actuator does", {"force": "force"}),
+    Terminal("actuator", "Force of the actuator", {"force": "force"}),
     Terminal(
         "sensors",
-        "What the sensors report",
+        "Measurements of the sensors",
         {"acceleration": "seat_acceleration_measured", "deflection": "suspension_deflection_measured"},
     ),
 )

@@ -1,4 +1,4 @@
-"""The seat's numbers, each with unit, symbol and source (equation numbers are the paper's [1])."""
+"""Default values of the seat, each with unit, symbol and source (equation numbers are those of the paper [1])."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-/* The seat: two masses on a suspension with Bouc-Wen friction (1)-(2), (35)-(36). See seat.h; seat.py and friction.py
- * tell why it is integrated and solved as it is.
+/* The seat: two masses on a suspension with Bouc-Wen friction (1)-(2), (35)-(36). See seat.py and friction.py for the
+ * methods of integration and solution.
  *
  *   m_s z_s'' = -k_f (z_s - z_v) - c_f (z_s' - z_v') + k_c (z_b - z_s) + c_c (z_b' - z_s') - f_r + u_sat        (1)
  *   m_b z_b'' = -k_c (z_b - z_s) - c_c (z_b' - z_s')                                                            (2)
@@ -8,7 +8,6 @@
  */
 #include "seat.h"
 
-#include "random_numbers.h"
 #include "subnormal.h"
 
 #include <math.h>
@@ -18,38 +17,41 @@ typedef seat_plant_state state_t;
 typedef seat_plant_masses masses_t;
 typedef seat_plant_coefficients coefficients_t;
 
-/* Upper bound of the Runge-Kutta substep in s, substeps per radian of the fastest motion, and the substep in s that is
- * too short. */
-static const double longest_substep = 0.5e-3;
+/* Longest Runge-Kutta substep in s. */
+static const double max_substep_length = 0.5e-3;
+
+/* Substeps per radian of the fastest motion. */
 static const double substeps_per_radian = 2.0;
-static const double shortest_substep = 1e-5;
+
+/* Parameters that need a substep below this, in s, are refused: a step would take too long. */
+static const double min_substep_length = 1e-5;
 
 static const double pi = 3.14159265358979323846;
 
 /* ---- mechanics --------------------------------------------------------------------------------------------------- */
 
-/* Which end stop is touched: 1 the upper, -1 the lower, 0 none. */
+/* Return which end stop is in contact: 1 for the upper, -1 for the lower, 0 for none. */
 static double contact_side(double deflection, const coefficients_t *c)
 {
     return fabs(deflection) <= c->x_e ? 0.0 : deflection > 0.0 ? 1.0 : -1.0;
 }
 
-/* An end stop's part of z_s'': like rubber, it never pulls. */
-static double end_stop(double deflection, double rate, double side, const coefficients_t *c)
+/* Return the part of z_s'' that an end stop causes, in m/s2; like rubber, it never pulls. */
+static double end_stop_acceleration(double deflection, double rate, double side, const coefficients_t *c)
 {
     const double push = c->k_e * (side * deflection - c->x_e) + c->c_e * side * rate;
     return -side * (push > 0.0 ? push : 0.0) * c->per_m_s;
 }
 
-/* Solve (1) for z_s'', end stops aside; , friction is z_d. */
-static double seat_acceleration(double deflection, double rate, double cushion_deflection, double cushion_rate, double friction,
-                                double force, const coefficients_t *c)
+/* Solve (1) for z_s'' in m/s2, without end stops. */
+static double seat_acceleration(double deflection, double rate, double cushion_deflection, double cushion_rate,
+                                double z_d, double force, const coefficients_t *c)
 {
-    const double suspension = -c->k_f * deflection - c->c_f * rate - c->alpha * friction;
+    const double suspension = -c->k_f * deflection - c->c_f * rate - c->alpha * z_d;
     return (suspension + c->k_c * cushion_deflection + c->c_c * cushion_rate + force) * c->per_m_s;
 }
 
-/* Solve (2) for z_b''. */
+/* Solve (2) for z_b'' in m/s2. */
 static double driver_acceleration(double cushion_deflection, double cushion_rate, const coefficients_t *c)
 {
     return (-c->k_c * cushion_deflection - c->c_c * cushion_rate) * c->per_m_b;
@@ -59,52 +61,54 @@ typedef struct {
     double seat, driver;
 } accelerations;
 
-/* Accelerations at a stage of the substep, tau seconds after the floor was given: the friction has come from z_d at the
- * deflection x_0. */
+/* Return the accelerations in m/s2 at a stage of the substep, tau seconds after the begin of the step. At the begin of
+ * the substep the friction state is z_d and the deflection x_0. */
 static accelerations slope(double z_s, double v_s, double z_b, double v_b, double tau, double z_d, double x_0,
-                           const floor_motion *floor, double force, double side, const coefficients_t *c)
+                           const floor_motion *motion, double force, double side, const coefficients_t *c)
 {
-    const double x = z_s - floor_displacement_at(floor, tau);
-    const double v = v_s - floor_velocity_at(floor, tau);
-    const double friction = friction_state(z_d, x - x_0, &c->friction);
+    const double x = z_s - floor_displacement_at(motion, tau);
+    const double v = v_s - floor_velocity_at(motion, tau);
+    const double z_d_stage = friction_after_slip(z_d, x - x_0, &c->friction);
     const double cushion_deflection = z_b - z_s, cushion_rate = v_b - v_s;
     accelerations a;
-    a.seat = seat_acceleration(x, v, cushion_deflection, cushion_rate, friction, force, c);
+    a.seat = seat_acceleration(x, v, cushion_deflection, cushion_rate, z_d_stage, force, c);
     if (side != 0.0) {
-        a.seat += end_stop(x, v, side, c);
+        a.seat += end_stop_acceleration(x, v, side, c);
     }
     a.driver = driver_acceleration(cushion_deflection, cushion_rate, c);
     return a;
 }
 
-/* One step of classical Runge-Kutta over the four mechanical states, friction in closed form at every stage; h is the
- * substep's length, the force is straight between its ends, side is the end stop that is touched all the while. */
-static void substep(masses_t *masses, const floor_motion *floor, double first, double last, double side, double tau, double h,
-                    const coefficients_t *c)
+/* Take one step of classical Runge-Kutta over the four mechanical states, friction in closed form at every stage. The
+ * substep begins tau seconds after the begin of the step and has the length h in s. The force in N is linear between
+ * its ends. `side` is the end stop that is in contact over the substep. */
+static void substep(masses_t *masses, const floor_motion *motion, double first, double last, double side, double tau,
+                    double h, const coefficients_t *c)
 {
     const double middle = 0.5 * (first + last);
     const double z_s = masses->seat_displacement, v_s = masses->seat_velocity;
     const double z_b = masses->driver_displacement, v_b = masses->driver_velocity;
     const double z_d = masses->friction;
-    const double x_0 = z_s - floor_displacement_at(floor, tau);
+    const double x_0 = z_s - floor_displacement_at(motion, tau);
     const double half = 0.5 * h;
-    const accelerations a_1 = slope(z_s, v_s, z_b, v_b, tau, z_d, x_0, floor, first, side, c);
+    const accelerations a_1 = slope(z_s, v_s, z_b, v_b, tau, z_d, x_0, motion, first, side, c);
     const double v_s2 = v_s + half * a_1.seat, v_b2 = v_b + half * a_1.driver;
     const accelerations a_2 =
-        slope(z_s + half * v_s, v_s2, z_b + half * v_b, v_b2, tau + half, z_d, x_0, floor, middle, side, c);
+        slope(z_s + half * v_s, v_s2, z_b + half * v_b, v_b2, tau + half, z_d, x_0, motion, middle, side, c);
     const double v_s3 = v_s + half * a_2.seat, v_b3 = v_b + half * a_2.driver;
     const accelerations a_3 =
-        slope(z_s + half * v_s2, v_s3, z_b + half * v_b2, v_b3, tau + half, z_d, x_0, floor, middle, side, c);
+        slope(z_s + half * v_s2, v_s3, z_b + half * v_b2, v_b3, tau + half, z_d, x_0, motion, middle, side, c);
     const double v_s4 = v_s + h * a_3.seat, v_b4 = v_b + h * a_3.driver;
-    const accelerations a_4 = slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h, z_d, x_0, floor, last, side, c);
+    const accelerations a_4 =
+        slope(z_s + h * v_s3, v_s4, z_b + h * v_b3, v_b4, tau + h, z_d, x_0, motion, last, side, c);
     const double sixth = h / 6.0;
     const double z_s_end = z_s + sixth * (v_s + 2.0 * (v_s2 + v_s3) + v_s4);
     const double z_b_end = z_b + sixth * (v_b + 2.0 * (v_b2 + v_b3) + v_b4);
     const double v_s_end = v_s + sixth * (a_1.seat + 2.0 * (a_2.seat + a_3.seat) + a_4.seat);
     const double v_b_end = v_b + sixth * (a_1.driver + 2.0 * (a_2.driver + a_3.driver) + a_4.driver);
-    const double x_end = z_s_end - floor_displacement_at(floor, tau + h);
-    const double z_d_end = friction_through_reversal(z_d, x_0, v_s - floor_velocity_at(floor, tau), x_end,
-                                  v_s_end - floor_velocity_at(floor, tau + h), h, &c->friction);
+    const double x_end = z_s_end - floor_displacement_at(motion, tau + h);
+    const double z_d_end = friction_through_reversal(z_d, x_0, v_s - floor_velocity_at(motion, tau), x_end,
+                                                     v_s_end - floor_velocity_at(motion, tau + h), h, &c->friction);
     masses->seat_displacement = flush_subnormal(z_s_end);
     masses->seat_velocity = flush_subnormal(v_s_end);
     masses->driver_displacement = flush_subnormal(z_b_end);
@@ -112,19 +116,19 @@ static void substep(masses_t *masses, const floor_motion *floor, double first, d
     masses->friction = flush_subnormal(z_d_end);
 }
 
-/* Outputs of a state, tau seconds after the floor was given, the force still acting. */
-static inline void evaluate(const masses_t *masses, const floor_motion *floor, double force, double tau, const coefficients_t *c,
-                     seat_plant_outputs *outputs)
+/* Evaluate the outputs, without measurements, tau seconds after the begin of the step. */
+static inline void evaluate_outputs(const masses_t *masses, const floor_motion *motion, double force, double tau,
+                                    const coefficients_t *c, seat_plant_outputs *outputs)
 {
-    const double deflection = masses->seat_displacement - floor_displacement_at(floor, tau);
-    const double rate = masses->seat_velocity - floor_velocity_at(floor, tau);
+    const double deflection = masses->seat_displacement - floor_displacement_at(motion, tau);
+    const double rate = masses->seat_velocity - floor_velocity_at(motion, tau);
     const double cushion_deflection = masses->driver_displacement - masses->seat_displacement;
     const double cushion_rate = masses->driver_velocity - masses->seat_velocity;
     outputs->seat_acceleration =
         seat_acceleration(deflection, rate, cushion_deflection, cushion_rate, masses->friction, force, c);
     const double side = contact_side(deflection, c);
     if (side != 0.0) {
-        outputs->seat_acceleration += end_stop(deflection, rate, side, c);
+        outputs->seat_acceleration += end_stop_acceleration(deflection, rate, side, c);
     }
     outputs->suspension_deflection = deflection;
     outputs->deflection_rate = rate;
@@ -134,49 +138,51 @@ static inline void evaluate(const masses_t *masses, const floor_motion *floor, d
     outputs->friction_force = c->alpha * masses->friction; /* (35) */
 }
 
-/* Add what the sensors make of the truth, or of what has passed their low-pass. */
-static void report(const state_t *state, const coefficients_t *c, double time, seat_plant_outputs *outputs)
+/* Add the measurements of the two sensors to the outputs. */
+static void add_measurements(const state_t *state, const coefficients_t *c, double time, seat_plant_outputs *outputs)
 {
     const int low_pass = c->bandwidth > 0.0;
-    const double acceleration = low_pass ? state->sensed.acceleration : outputs->seat_acceleration;
-    const double deflection = low_pass ? state->sensed.deflection : outputs->suspension_deflection;
-    outputs->seat_acceleration_measured = sensor_reading(acceleration, &c->accelerometer, time);
-    outputs->suspension_deflection_measured = sensor_reading(deflection, &c->deflection_sensor, time);
+    const double acceleration = low_pass ? state->filtered.acceleration : outputs->seat_acceleration;
+    const double deflection = low_pass ? state->filtered.deflection : outputs->suspension_deflection;
+    outputs->seat_acceleration_measured = sensor_measure(acceleration, &c->accelerometer, time);
+    outputs->suspension_deflection_measured = sensor_measure(deflection, &c->deflection_sensor, time);
 }
 
-/* Move the sensors' low-pass over a substep, from the outputs at its begin to those at its end. */
-static void sense(state_t *state, const seat_plant_outputs *begin, const seat_plant_outputs *end, double angle)
+/* Advance the low-pass of the sensors over a substep, from the outputs at its begin to those at its end. */
+static void filter_signals(state_t *state, const seat_plant_outputs *begin, const seat_plant_outputs *end, double angle)
 {
-    state->sensed.acceleration =
-        sensor_low_passed(state->sensed.acceleration, begin->seat_acceleration, end->seat_acceleration, angle);
-    state->sensed.deflection =
-        sensor_low_passed(state->sensed.deflection, begin->suspension_deflection, end->suspension_deflection, angle);
+    state->filtered.acceleration =
+        sensor_low_pass(state->filtered.acceleration, begin->seat_acceleration, end->seat_acceleration, angle);
+    state->filtered.deflection =
+        sensor_low_pass(state->filtered.deflection, begin->suspension_deflection, end->suspension_deflection, angle);
 }
 
-/* How many substeps a time takes. */
-static double substeps(double time, const coefficients_t *c)
+/* Return the number of substeps over a time in s, at least 1. */
+static double substep_count(double time, const coefficients_t *c)
 {
     const double needed = ceil(time / c->substep - 1e-6);
     return needed > 1.0 ? needed : 1.0;
 }
 
-/* Integrate over substeps of one length, from a time since the step's begin on; the force is straight over each, and one
- * end stop touched, or none. */
-static void integrate(masses_t *masses, const floor_motion *floor, double begin, double h, double count, double first,
-                      double last, double side, const coefficients_t *c)
+/* Take substeps of one length, from a time since the begin of the step on. The force is linear over each from `first`
+ * to `last`, and the contact does not change. */
+static void take_substeps(masses_t *masses, const floor_motion *motion, double begin, double h, double count,
+                          double first, double last, double side, const coefficients_t *c)
 {
     for (double index = 0.0; index < count; index += 1.0) {
-        substep(masses, floor, first, last, side, begin + index * h, h, c);
+        substep(masses, motion, first, last, side, begin + index * h, h, c);
     }
 }
 
-/* When an end stop is met or left, in s, as deflection, rate and acceleration show; infinity for never. */
-static double until_contact(const seat_plant_outputs *begin, double side, const floor_motion *floor, const coefficients_t *c)
+/* Return the time in s until the contact with an end stop begins or ends, infinite for never. Deflection, rate and
+ * acceleration are those at the begin of the substep; the acceleration is taken as constant. */
+static double time_to_contact(const seat_plant_outputs *begin, double side, const floor_motion *motion,
+                              const coefficients_t *c)
 {
     const double sign = side != 0.0 ? side : copysign(1.0, begin->deflection_rate);
     const double depth = sign * begin->suspension_deflection - c->x_e;
     const double rate = sign * begin->deflection_rate;
-    const double square = rate * rate - 2.0 * depth * sign * (begin->seat_acceleration - floor->acceleration);
+    const double square = rate * rate - 2.0 * depth * sign * (begin->seat_acceleration - motion->acceleration);
     if (square < 0.0) {
         return INFINITY;
     }
@@ -185,73 +191,78 @@ static double until_contact(const seat_plant_outputs *begin, double side, const 
     return time > 0.0 ? time : INFINITY;
 }
 
-/* Take a substep, in two parts where an end stop is met or left on the way: its damper's force jumps there. */
-static void substep_with_contact(masses_t *masses, const floor_motion *floor, double tau, double h, double first, double last,
-                    const coefficients_t *c)
+/* Take a substep, in two parts if a contact with an end stop begins or ends in it: the damper's force jumps there. */
+static void substep_with_contact(masses_t *masses, const floor_motion *motion, double tau, double h, double first,
+                                 double last, const coefficients_t *c)
 {
     double begin = tau, length = h, side = 0.0;
     if (c->x_e < INFINITY) {
         seat_plant_outputs outputs;
-        evaluate(masses, floor, first, tau, c, &outputs);
+        evaluate_outputs(masses, motion, first, tau, c, &outputs);
         side = contact_side(outputs.suspension_deflection, c);
-        const double part = until_contact(&outputs, side, floor, c);
+        const double part = time_to_contact(&outputs, side, motion, c);
         if (part < h) {
             const double middle = first + (last - first) * (part / h);
-            integrate(masses, floor, tau, part, 1.0, first, middle, side, c);
+            take_substeps(masses, motion, tau, part, 1.0, first, middle, side, c);
             begin = tau + part;
             length = h - part;
             first = middle;
             side = side != 0.0 ? 0.0 : copysign(1.0, outputs.deflection_rate);
         }
     }
-    integrate(masses, floor, begin, length, 1.0, first, last, side, c);
+    take_substeps(masses, motion, begin, length, 1.0, first, last, side, c);
 }
 
-/* Integrate over a span of the step, in s since its begin, in which the actuator's target holds. The force may lag behind
- * it, and the sensors behind the truth. */
-static void integrate_span(state_t *state, const floor_motion *floor, double begin, double end, const coefficients_t *c)
+/* Integrate over a span of the step, in s since its begin, in which the target of the actuator is constant. */
+static void integrate_span(state_t *state, const floor_motion *motion, double begin, double end,
+                           const coefficients_t *c)
 {
-    const double count = substeps(end - begin, c);
+    const double count = substep_count(end - begin, c);
     const double h = (end - begin) / count;
-    const int lagging = c->actuator.time_constant > 0.0, low_pass = c->bandwidth > 0.0;
-    const actuator_lag lag = lagging ? actuator_lag_for(&c->actuator, h) : actuator_no_lag;
+    const int has_lag = c->actuator.time_constant > 0.0, has_low_pass = c->bandwidth > 0.0;
+    actuator_lag prepared;
+    const actuator_lag *lag = NULL;
+    if (has_lag) {
+        prepared = actuator_prepare_lag(&c->actuator, h);
+        lag = &prepared;
+    }
     const double target = state->actuator.target;
-    double force = lagging ? state->actuator.force : target;
+    double force = has_lag ? state->actuator.force : target;
     for (double index = 0.0; index < count; index += 1.0) {
-        const double tau = begin + index * h, deviation = force - target;
-        const double first = lagging ? target + deviation * lag.first : target;
-        const double last = lagging ? target + deviation * lag.last : target;
+        const double tau = begin + index * h;
+        double first, last;
         seat_plant_outputs before, after;
-        if (low_pass) {
-            evaluate(&state->masses, floor, force, tau, c, &before);
+        if (has_low_pass) {
+            evaluate_outputs(&state->masses, motion, force, tau, c, &before);
         }
-        force = lagging ? flush_subnormal(target + deviation * lag.left) : target;
-        substep_with_contact(&state->masses, floor, tau, h, first, last, c);
-        if (low_pass) {
-            evaluate(&state->masses, floor, force, tau + h, c, &after);
-            sense(state, &before, &after, c->bandwidth * h);
+        force = actuator_apply_lag(force, target, lag, &first, &last);
+        substep_with_contact(&state->masses, motion, tau, h, first, last, c);
+        if (has_low_pass) {
+            evaluate_outputs(&state->masses, motion, force, tau + h, c, &after);
+            filter_signals(state, &before, &after, c->bandwidth * h);
         }
     }
     state->actuator.force = force;
 }
 
-/* Integrate over a step, span by span between the changes that leave the actuator's delay. */
-static void integrate_spans(state_t *state, const floor_motion *floor, double time, double step_size, const coefficients_t *c)
+/* Integrate over a step, span by span between the changes that leave the delay line of the actuator. */
+static void integrate_spans(state_t *state, const floor_motion *motion, double time, double step_size,
+                            const coefficients_t *c)
 {
     double begin = 0.0;
     while (begin < step_size) {
-        const double end = actuator_arrive(&state->actuator, time, begin, step_size);
-        integrate_span(state, floor, begin, end, c);
+        const double end = actuator_release_due(&state->actuator, time, begin, step_size);
+        integrate_span(state, motion, begin, end, c);
         begin = end;
     }
 }
 
 /* ---- the component ----------------------------------------------------------------------------------------------- */
 
-/* Substep in s for the fastest motion that these parameters allow. */
-static double substep_for(const seat_plant_parameters *p)
+/* Return the longest substep in s for the fastest motion of these parameters. */
+static double max_substep(const seat_plant_parameters *p)
 {
-    /* the steepest friction can get: unloading at the plateau, d zeta/dy = A 2 gamma/(gamma + beta) */
+    /* the largest slope of the friction: unloading at the plateau, d zeta/dy = A 2 gamma/(gamma + beta) */
     const double slope = 2.0 * p->friction_amplitude * p->friction_gamma / (p->friction_gamma + p->friction_beta);
     const int stops = p->end_stop_travel > 0.0;
     const double elastic = p->suspension_stiffness + p->cushion_stiffness + p->friction_alpha * slope;
@@ -260,14 +271,7 @@ static double substep_for(const seat_plant_parameters *p)
     const double lightest = p->driver_mass < p->seat_mass ? p->driver_mass : p->seat_mass;
     const double fastest = sqrt(stiffness / lightest) + damping / lightest;
     const double needed = 1.0 / (substeps_per_radian * fastest);
-    return fastest > 0.0 && !(longest_substep <= needed) ? needed : longest_substep;
-}
-
-static sensor_coefficients sensor(double noise, double bias, double resolution, int seed, uint32_t number)
-{
-    const int ideal = noise == 0.0 && bias == 0.0 && resolution == 0.0;
-    const sensor_coefficients prepared = {noise, bias, resolution, random_stream((uint32_t)seed, number), ideal};
-    return prepared;
+    return fastest > 0.0 && !(max_substep_length <= needed) ? needed : max_substep_length;
 }
 
 const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_plant_coefficients *coefficients)
@@ -280,8 +284,8 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
     if (p->end_stop_travel > 0.0 && !(p->end_stop_stiffness > 0.0)) {
         return "expected end_stop.stiffness > 0 where end_stop.travel > 0";
     }
-    c->substep = substep_for(p);
-    if (!(c->substep >= shortest_substep)) {
+    c->substep = max_substep(p);
+    if (!(c->substep >= min_substep_length)) {
         return "expected a fastest motion below 50000 rad/s from the stiffnesses suspension_stiffness, "
                "cushion_stiffness, friction.alpha and end_stop.stiffness and the dampings suspension_damping, "
                "cushion_damping and end_stop.damping on seat_mass and driver_mass";
@@ -297,16 +301,14 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
     c->x_e = p->end_stop_travel > 0.0 ? p->end_stop_travel : INFINITY;
     c->k_e = p->end_stop_stiffness;
     c->c_e = p->end_stop_damping;
-    c->actuator.limit = p->actuator_force_limit > 0.0 ? p->actuator_force_limit : INFINITY;
-    c->actuator.delay = p->actuator_delay;
-    c->actuator.time_constant = p->actuator_time_constant;
+    c->actuator = actuator_prepare(p->actuator_force_limit, p->actuator_delay, p->actuator_time_constant);
     c->bandwidth = 2.0 * pi * p->sensor_bandwidth;
-    c->steady = p->actuator_delay == 0.0 && p->actuator_time_constant == 0.0 && p->sensor_bandwidth == 0.0 &&
-                !(p->end_stop_travel > 0.0);
+    c->single_span = p->actuator_delay == 0.0 && p->actuator_time_constant == 0.0 && p->sensor_bandwidth == 0.0 &&
+                     !(p->end_stop_travel > 0.0);
     c->accelerometer =
-        sensor(p->acceleration_noise, p->acceleration_bias, p->acceleration_resolution, p->sensor_seed, 1);
+        sensor_prepare(p->acceleration_noise, p->acceleration_bias, p->acceleration_resolution, p->sensor_seed, 1);
     c->deflection_sensor =
-        sensor(p->deflection_noise, p->deflection_bias, p->deflection_resolution, p->sensor_seed, 2);
+        sensor_prepare(p->deflection_noise, p->deflection_bias, p->deflection_resolution, p->sensor_seed, 2);
     return NULL;
 }
 
@@ -322,20 +324,20 @@ int seat_plant_is_valid_state(const seat_plant_state *state, const seat_plant_pa
     return actuator_is_valid_state(&state->actuator);
 }
 
-void seat_plant_initial(seat_plant_state *state, const seat_plant_inputs *inputs,
-                        const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs)
+void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inputs,
+                           const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs)
 {
     const seat_plant_state rest = {0};
-    const floor_motion floor = floor_given(inputs);
+    const floor_motion motion = floor_motion_from_inputs(inputs);
     *state = rest;
-    state->floor.displacement = floor.displacement;
-    state->floor.velocity = floor.velocity;
-    state->floor.acceleration = floor.acceleration;
-    actuator_settle(&state->actuator, inputs->force, &coefficients->actuator);
-    evaluate(&state->masses, &floor, state->actuator.force, 0.0, coefficients, outputs);
-    state->sensed.acceleration = outputs->seat_acceleration;
-    state->sensed.deflection = outputs->suspension_deflection;
-    report(state, coefficients, time, outputs);
+    state->floor.displacement = motion.displacement;
+    state->floor.velocity = motion.velocity;
+    state->floor.acceleration = motion.acceleration;
+    actuator_initialize(&state->actuator, inputs->force, &coefficients->actuator);
+    evaluate_outputs(&state->masses, &motion, state->actuator.force, 0.0, coefficients, outputs);
+    state->filtered.acceleration = outputs->seat_acceleration;
+    state->filtered.deflection = outputs->suspension_deflection;
+    add_measurements(state, coefficients, time, outputs);
 }
 
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
@@ -343,16 +345,18 @@ void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs
                         seat_plant_outputs *outputs)
 {
     const int signals = coefficients->floor_signals;
-    const floor_motion floor = signals == SEAT_PLANT_ALL ? floor_given(inputs) : floor_derived(&state->floor, inputs, signals, step_size);
-    const double count = substeps(step_size, coefficients);
+    const floor_motion motion = signals == SEAT_PLANT_ALL
+                                    ? floor_motion_from_inputs(inputs)
+                                    : floor_derive_motion(&state->floor, inputs, signals, step_size);
+    const double count = substep_count(step_size, coefficients);
     actuator_command(&state->actuator, inputs->force, &coefficients->actuator, time);
-    if (coefficients->steady && state->actuator.line_length == 0.0) {
+    if (coefficients->single_span && state->actuator.line_length == 0.0) {
         state->actuator.force = state->actuator.target;
-        integrate(&state->masses, &floor, 0.0, step_size / count, count, state->actuator.force, state->actuator.force, 0.0,
-                  coefficients);
+        take_substeps(&state->masses, &motion, 0.0, step_size / count, count, state->actuator.force,
+                      state->actuator.force, 0.0, coefficients);
     } else {
-        integrate_spans(state, &floor, time, step_size, coefficients);
+        integrate_spans(state, &motion, time, step_size, coefficients);
     }
-    evaluate(&state->masses, &floor, state->actuator.force, step_size, coefficients, outputs);
-    report(state, coefficients, time + step_size, outputs);
+    evaluate_outputs(&state->masses, &motion, state->actuator.force, step_size, coefficients, outputs);
+    add_measurements(state, coefficients, time + step_size, outputs);
 }

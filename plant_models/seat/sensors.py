@@ -1,7 +1,8 @@
 """The sensors: low-pass, noise, bias and resolution, in this order.
 
-Noise is held over ticks of 2 ms from time 0, whatever the communication step and however often it is read, and follows
-from seed and tick alone. The low-pass is exact for signals that are straight over a substep.
+The noise is held over ticks of 2 ms from time 0 and follows from seed and tick alone. It depends neither on the
+communication step nor on how often the sensor is read. The low-pass is exact for signals that are linear over a
+substep.
 """
 
 from __future__ import annotations
@@ -10,18 +11,30 @@ import math
 from typing import NamedTuple
 
 from fmus.subnormal import flush_subnormal
-from plant_models.random_numbers import normal
-from plant_models.seat.actuator import SAME_INSTANT
+from plant_models.random_numbers import random_normal, random_stream
+from plant_models.seat.actuator import TIME_TOLERANCE
 
 TICK = 0.002
-"""How long noise is held, in s."""
+"""Hold time of the noise, in s."""
 
-_WHOLE = 2.0**52
-"""Numbers from here on have no fraction."""
+_MIN_INTEGER = 2.0**52
+"""Numbers of at least this magnitude have no fraction."""
 
 
-class Sensor(NamedTuple):
-    """What a sensor does to its signal, in the signal's unit; ``stream`` of random numbers."""
+class SensorCoefficients(NamedTuple):
+    """Errors that a sensor adds to its signal.
+
+    Attributes
+    ----------
+    noise
+        RMS of the noise, in the unit of the signal.
+    bias
+        Offset, in the unit of the signal.
+    resolution
+        Smallest step of the measurement, in the unit of the signal; 0 for none.
+    stream
+        Stream of random numbers, see :func:`plant_models.random_numbers.random_stream`.
+    """
 
     noise: float
     bias: float
@@ -29,40 +42,70 @@ class Sensor(NamedTuple):
     stream: int
 
 
-def reading(value: float, sensor: Sensor, time: float) -> float:
-    """Return what a sensor reports.
+def prepare(noise: float, bias: float, resolution: float, seed: int, number: int) -> SensorCoefficients:
+    """Derive the coefficients of a sensor.
+
+    Parameters
+    ----------
+    noise, bias, resolution
+        As of :class:`SensorCoefficients`.
+    seed
+        Seed of the noise.
+    number
+        Number of the sensor; sensors of different numbers have independent noise.
+
+    Returns
+    -------
+    SensorCoefficients
+        With the stream of this seed and number.
+    """
+    return SensorCoefficients(noise, bias, resolution, random_stream(seed, number))
+
+
+def measure(value: float, c: SensorCoefficients, time: float) -> float:
+    """Add noise and bias to a signal and round it to the resolution.
 
     Parameters
     ----------
     value
-        The signal, after the low-pass.
-    sensor
-        Which.
+        Signal after the low-pass.
+    c
+        Coefficients of the sensor.
     time
         In s.
+
+    Returns
+    -------
+    float
+        The measurement, in the unit of the signal.
     """
-    if sensor.noise > 0.0:
-        value += sensor.noise * normal(sensor.stream, math.floor((time + SAME_INSTANT) / TICK))
-    if sensor.bias != 0.0:
-        value += sensor.bias
-    if sensor.resolution > 0.0:
-        steps = value / sensor.resolution
-        if abs(steps) < _WHOLE:
-            value = sensor.resolution * math.floor(steps + 0.5)
+    if c.noise > 0.0:
+        value += c.noise * random_normal(c.stream, math.floor((time + TIME_TOLERANCE) / TICK))
+    if c.bias != 0.0:
+        value += c.bias
+    if c.resolution > 0.0:
+        steps = value / c.resolution
+        if abs(steps) < _MIN_INTEGER:
+            value = c.resolution * math.floor(steps + 0.5)
     return value
 
 
-def low_passed(filtered: float, begin: float, end: float, angle: float) -> float:
-    """Move a first-order low-pass over a substep.
+def low_pass(filtered: float, begin: float, end: float, angle: float) -> float:
+    """Advance a first-order low-pass over a substep.
 
     Parameters
     ----------
     filtered
-        Before.
+        Output of the low-pass before.
     begin, end
-        The signal at both ends, straight in between.
+        Signal at both ends of the substep, linear in between.
     angle
-        Corner in rad/s times length of the substep.
+        Corner frequency in rad/s times length of the substep in s.
+
+    Returns
+    -------
+    float
+        Output of the low-pass after.
     """
     gain = -math.expm1(-angle)
     return flush_subnormal(filtered + (begin - filtered) * gain + (end - begin) * (1.0 - gain / angle))

@@ -1,1 +1,1 @@
-"""The shaker: the cabin floor's motion."""
+"""The shaker: the motion of the cabin floor."""

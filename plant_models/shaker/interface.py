@@ -1,18 +1,21 @@
-"""The Shaker FMU's variables: the one declaration."""
+"""Variables of the Shaker FMU.
+
+The dataclasses are the only declaration: FMU descriptions, C headers and documentation are generated from them.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
 
-from fmus.variables import POSITIVE, Terminal, file_name, output, parameter
-from plant_models.random_numbers import MOST_SEED
+from fmus.variables import POSITIVE, Terminal, file_parameter, output, parameter
+from plant_models.random_numbers import MAX_SEED
 from plant_models.shaker import parameters as p
 from plant_models.shaker.example_recording import EXAMPLE
 
 
 class Profile(IntEnum):
-    """What the floor does."""
+    """Excitation profiles."""
 
     bump = 1
     sine = 2
@@ -22,7 +25,7 @@ class Profile(IntEnum):
 
 
 class SweepMode(IntEnum):
-    """Which amplitude a sweep keeps."""
+    """Signal of constant amplitude in a sweep."""
 
     acceleration = 1
     displacement = 2
@@ -44,10 +47,10 @@ class RandomClass(IntEnum):
 
 @dataclass(slots=True)
 class Inputs:
-    """None: the shaker moves by time alone."""
+    """Inputs of the shaker: none, the motion depends on time alone."""
 
 
-_AT_THE_START = (
+_INITIAL_DEPENDENCIES = (
     "profile",
     "bump.height",
     "bump.length",
@@ -70,25 +73,34 @@ _AT_THE_START = (
     "platform.velocity_limit",
     "platform.acceleration_limit",
 )
-"""What the floor depends on at the start; noise starts at rest."""
+"""Parameters on which the motion of the floor depends at the start; the random motion starts at rest."""
 
 
 @dataclass(slots=True)
 class Outputs:
-    """The cabin floor's motion."""
+    """Motion of the cabin floor, up positive.
+
+    Attributes
+    ----------
+    floor_displacement, floor_velocity, floor_acceleration
+        z_v in m, z_v' in m/s, z_v'' in m/s2.
+    """
 
     floor_displacement: float = output(
-        "m", "Cabin floor displacement z_v, up positive", nominal=0.01, dependencies=_AT_THE_START
+        "m", "Cabin floor displacement z_v, up positive", nominal=0.01, dependencies=_INITIAL_DEPENDENCIES
     )
-    floor_velocity: float = output("m/s", "Cabin floor velocity", nominal=0.1, dependencies=_AT_THE_START)
+    floor_velocity: float = output("m/s", "Cabin floor velocity", nominal=0.1, dependencies=_INITIAL_DEPENDENCIES)
     floor_acceleration: float = output(
-        "m/s2", "Cabin floor acceleration, its right limit at a jump", nominal=1.0, dependencies=_AT_THE_START
+        "m/s2", "Cabin floor acceleration, its right limit at a jump", nominal=1.0, dependencies=_INITIAL_DEPENDENCIES
     )
 
 
 @dataclass(slots=True)
 class Parameters:
-    """Which profile, the shape of each, and the platform that follows it."""
+    """Parameters of the shaker: choice of the profile, shape of each profile, platform.
+
+    Each field states unit, range and source in its declaration.
+    """
 
     profile: Profile = parameter(Profile.bump, "Excitation profile")
     bump_height: float = parameter(p.BUMP_HEIGHT, "Height of the bump (34)", name="bump.height")
@@ -99,24 +111,24 @@ class Parameters:
     )
     sine_amplitude: float = parameter(p.SINE_AMPLITUDE, "Displacement amplitude of the sine", name="sine.amplitude")
     sweep_mode: SweepMode = parameter(
-        SweepMode.acceleration, "Which amplitude the logarithmic sweep keeps", name="sweep.mode"
+        SweepMode.acceleration, "Signal of constant amplitude in the logarithmic sweep", name="sweep.mode"
     )
     sweep_start_frequency: float = parameter(
         p.SWEEP_START_FREQUENCY,
-        "Frequency at the sweep's begin",
+        "Frequency at the begin of the sweep",
         name="sweep.start_frequency",
         minimum=0.01,
         maximum=250.0,
     )
     sweep_stop_frequency: float = parameter(
         p.SWEEP_STOP_FREQUENCY,
-        "Frequency at the sweep's end, above or below that at its begin",
+        "Frequency at the end of the sweep, above or below that at its begin",
         name="sweep.stop_frequency",
         minimum=0.01,
         maximum=250.0,
     )
     sweep_duration: float = parameter(
-        p.SWEEP_DURATION, "Length of the sweep; the floor rests after it", name="sweep.duration", minimum=0.1
+        p.SWEEP_DURATION, "Duration of the sweep; the floor is at rest after it", name="sweep.duration", minimum=0.1
     )
     sweep_acceleration: float = parameter(
         p.SWEEP_ACCELERATION, "Amplitude of a sweep of constant acceleration", name="sweep.acceleration", minimum=0.0
@@ -125,45 +137,52 @@ class Parameters:
         p.SWEEP_DISPLACEMENT, "Amplitude of a sweep of constant displacement", name="sweep.displacement", minimum=0.0
     )
     sweep_fade: float = parameter(
-        p.SWEEP_FADE, "Length of the sweep's fade-in and fade-out, within its duration", name="sweep.fade", minimum=0.01
+        p.SWEEP_FADE,
+        "Duration of fade-in and fade-out of the sweep, within its duration",
+        name="sweep.fade",
+        minimum=0.01,
     )
     random_class: RandomClass = parameter(
         RandomClass.EM1, "ISO 7096 class of the random motion, which starts at rest", name="random.class"
     )
     random_scale: float = parameter(
-        p.RANDOM_SCALE, "Factor on the class's amplitudes, not on its spectrum", name="random.scale", minimum=0.0
+        p.RANDOM_SCALE, "Factor on the amplitudes of the class, not on its spectrum", name="random.scale", minimum=0.0
     )
     random_seed: int = parameter(
         1,
         "Seed of the random motion: the same seed gives the same motion",
         name="random.seed",
         minimum=0,
-        maximum=MOST_SEED,
+        maximum=MAX_SEED,
     )
-    file_path: str = file_name(
+    file_path: str = file_parameter(
         EXAMPLE,
         "CSV file of the recorded motion: columns time in s and acceleration in m/s2 or displacement in m",
         name="file.path",
     )
     file_high_pass: float = parameter(
         p.FILE_HIGH_PASS,
-        "Corner frequency below which a recorded acceleration is taken for drift, 0: none",
+        "Corner frequency below which a recorded acceleration is removed as drift, 0: none",
         name="file.high_pass",
         minimum=0.0,
         maximum=5.0,
     )
     file_fade: float = parameter(
-        p.FILE_FADE, "Length of the fade-in and fade-out of a recorded acceleration", name="file.fade", minimum=0.01
+        p.FILE_FADE, "Duration of fade-in and fade-out of a recorded acceleration", name="file.fade", minimum=0.01
     )
     platform_bandwidth: float = parameter(
         p.PLATFORM_BANDWIDTH,
-        "Natural frequency of the second-order lag with which a platform follows the profile, 0: it follows exactly",
+        "Natural frequency of the second-order lag of the platform behind the profile, 0: no lag",
         name="platform.bandwidth",
         minimum=0.0,
         maximum=50.0,
     )
     platform_damping: float = parameter(
-        p.PLATFORM_DAMPING, "Damping ratio of the platform's lag", name="platform.damping", minimum=0.1, maximum=10.0
+        p.PLATFORM_DAMPING,
+        "Damping ratio of the lag of the platform",
+        name="platform.damping",
+        minimum=0.1,
+        maximum=10.0,
     )
     platform_stroke: float = parameter(
         p.PLATFORM_STROKE, "Largest displacement of the platform, 0: no limit", name="platform.stroke", minimum=0.0

@@ -1,5 +1,6 @@
-/* Seeded white noise through Butterworth filters in partial fractions; explained in noise.py. */
+/* Seeded white noise through Butterworth filters in partial fractions; see noise.py for the method. */
 #include "noise.h"
+
 #include "random_numbers.h"
 
 #include <math.h>
@@ -8,15 +9,17 @@ static const double pi = 3.14159265358979323846;
 
 typedef noise_complex complex_t;
 
-/* A class's spectrum: orders and corners in Hz of high-pass and low-pass, level in (m/s2)2/Hz. ISO 7096. */
+/* Spectrum of the acceleration of a class: orders and corner frequencies in Hz of the Butterworth high-pass and
+ * low-pass, level g in (m/s2)2/Hz. */
 typedef struct {
     int high_order;
     double high_corner;
     int low_order;
     double low_corner, level;
-} band_t;
+} spectrum_t;
 
-static const band_t bands[] = {
+/* Spectra of the classes in ISO 7096. */
+static const spectrum_t spectra[] = {
     {4, 1.5, 4, 2.5, 2.82}, /* EM1 */
     {4, 1.5, 4, 3.0, 2.72}, /* EM2 */
     {4, 1.5, 4, 3.0, 1.93}, /* EM3 */
@@ -54,8 +57,9 @@ static double real_part_of_product(complex_t a, complex_t b)
 
 /* ---- modes ------------------------------------------------------------------------------------------------------- */
 
-/* Add a Butterworth filter's poles with Im >= 0 to those that are there; returns how many there are then. */
-static int add_poles(int order, double corner, complex_t poles[], int count)
+/* Append the poles of a Butterworth filter with Im >= 0, in rad/s, for a corner frequency in Hz; returns the new count.
+ */
+static int add_butterworth_poles(int order, double corner, complex_t poles[], int count)
 {
     const double omega = 2.0 * pi * corner;
     for (int k = 0; k < order / 2; ++k) {
@@ -68,14 +72,15 @@ static int add_poles(int order, double corner, complex_t poles[], int count)
     return count;
 }
 
-/* What a time makes of a mode's state and of held noise: exp(p t) and (exp(p t) - 1)/p. */
-static void transition(complex_t pole, double time, complex_t *growth, complex_t *push)
+/* Give exp(p t) and (exp(p t) - 1)/p: factors on the state of a mode and on held noise over a time in s. */
+static void discretize(complex_t pole, double time, complex_t *transition, complex_t *input_gain)
 {
     const double size = exp(pole.re * time), angle = pole.im * time;
-    *growth = complex_of(size * cos(angle), size * sin(angle));
-    *push = times(complex_of(growth->re - 1.0, growth->im), inverse(pole));
+    *transition = complex_of(size * cos(angle), size * sin(angle));
+    *input_gain = times(complex_of(transition->re - 1.0, transition->im), inverse(pole));
 }
 
+/* Derive a mode from its residue at the i-th pole; `order` is that of the high-pass. */
 static void prepare_mode(int i, const complex_t poles[], int count, int order, double gain, double tick,
                          noise_mode *mode)
 {
@@ -99,31 +104,32 @@ static void prepare_mode(int i, const complex_t poles[], int count, int order, d
     mode->acceleration = residue;
     mode->velocity = times(residue, inverse(pole));
     mode->displacement = times(mode->velocity, inverse(pole));
-    transition(pole, tick, &mode->growth, &mode->push);
+    discretize(pole, tick, &mode->transition, &mode->input_gain);
 }
 
-void noise_prepare(int chosen, double scale, double tick, noise_coefficients *coefficients)
+void noise_prepare(int random_class, double scale, double tick, noise_coefficients *coefficients)
 {
-    const band_t *band = &bands[chosen - 1];
-    complex_t poles[NOISE_MODES];
-    int count = add_poles(band->high_order, band->high_corner, poles, 0);
-    double gain = scale * sqrt(band->level / (2.0 * tick));
-    count = add_poles(band->low_order, band->low_corner, poles, count);
-    for (int k = 0; k < band->low_order; ++k) {
-        gain = gain * (2.0 * pi * band->low_corner);
+    const spectrum_t *spectrum = &spectra[random_class - 1];
+    complex_t poles[NOISE_MAX_MODES];
+    int count = add_butterworth_poles(spectrum->high_order, spectrum->high_corner, poles, 0);
+    double gain = scale * sqrt(spectrum->level / (2.0 * tick));
+    count = add_butterworth_poles(spectrum->low_order, spectrum->low_corner, poles, count);
+    for (int k = 0; k < spectrum->low_order; ++k) {
+        gain = gain * (2.0 * pi * spectrum->low_corner);
     }
     coefficients->count = count;
     for (int i = 0; i < count; ++i) {
-        prepare_mode(i, poles, count, band->high_order, gain, tick, &coefficients->modes[i]);
+        prepare_mode(i, poles, count, spectrum->high_order, gain, tick, &coefficients->modes[i]);
     }
 }
 
 /* ---- motion ------------------------------------------------------------------------------------------------------ */
 
-static complex_t moved(complex_t x, complex_t growth, complex_t push, double noise)
+/* Return the state of a mode after a time under held noise. */
+static complex_t advanced(complex_t x, complex_t transition, complex_t input_gain, double noise)
 {
-    const complex_t grown = times(growth, x);
-    return complex_of(grown.re + push.re * noise, grown.im + push.im * noise);
+    const complex_t grown = times(transition, x);
+    return complex_of(grown.re + input_gain.re * noise, grown.im + input_gain.im * noise);
 }
 
 void noise_advance(double state[], const noise_coefficients *coefficients, uint64_t stream, double tick)
@@ -131,24 +137,25 @@ void noise_advance(double state[], const noise_coefficients *coefficients, uint6
     const double noise = random_normal(stream, (int64_t)tick);
     for (int i = 0; i < coefficients->count; ++i) {
         const noise_mode *mode = &coefficients->modes[i];
-        const complex_t x = moved(complex_of(state[2 * i], state[2 * i + 1]), mode->growth, mode->push, noise);
+        const complex_t x =
+            advanced(complex_of(state[2 * i], state[2 * i + 1]), mode->transition, mode->input_gain, noise);
         state[2 * i] = x.re;
         state[2 * i + 1] = x.im;
     }
 }
 
 void noise_motion(const double state[], const noise_coefficients *coefficients, uint64_t stream, double tick,
-                  double since, shaker_outputs *floor)
+                  double elapsed, shaker_outputs *floor)
 {
-    const double noise = since > 0.0 ? random_normal(stream, (int64_t)tick) : 0.0;
+    const double noise = elapsed > 0.0 ? random_normal(stream, (int64_t)tick) : 0.0;
     floor->floor_displacement = floor->floor_velocity = floor->floor_acceleration = 0.0;
     for (int i = 0; i < coefficients->count; ++i) {
         const noise_mode *mode = &coefficients->modes[i];
         complex_t x = complex_of(state[2 * i], state[2 * i + 1]);
-        if (since > 0.0) {
-            complex_t growth, push;
-            transition(mode->pole, since, &growth, &push);
-            x = moved(x, growth, push, noise);
+        if (elapsed > 0.0) {
+            complex_t transition, input_gain;
+            discretize(mode->pole, elapsed, &transition, &input_gain);
+            x = advanced(x, transition, input_gain, noise);
         }
         floor->floor_displacement += real_part_of_product(mode->displacement, x);
         floor->floor_velocity += real_part_of_product(mode->velocity, x);

@@ -1,11 +1,12 @@
-"""A platform that follows a profile: second-order lag with limits of stroke, velocity and acceleration.
+"""The platform of the shaker: second-order lag behind the profile, with limits of stroke, velocity and acceleration.
 
     z'' = omega^2 (r - z) - 2 zeta omega z',
 
-r the profile. The acceleration is held over ticks, computed by the implicit midpoint rule: displacement and velocity
-are its exact integrals at any time, and the lag is stable and second-order accurate whatever its bandwidth. Limits
-bound the held acceleration: to its own limit, to what keeps the velocity within its limit until the tick's end, and to
-what still lets the platform brake before the end of its stroke. So they hold always, not at ticks only.
+with the profile r. The acceleration is held over ticks and computed by the implicit midpoint rule. Displacement and
+velocity are its exact integrals at any time, and the lag is stable and second-order accurate at any bandwidth. The
+limits bound the held acceleration: to its own limit, to what keeps the velocity within its limit until the end of the
+tick, and to what still allows the platform to brake before the end of its stroke. So they hold at all times, not only
+at ticks.
 """
 
 from __future__ import annotations
@@ -17,17 +18,17 @@ from fmus.component import ParameterError
 from plant_models.shaker.interface import Outputs, Parameters
 
 
-class Platform(NamedTuple):
-    """Coefficients.
+class PlatformCoefficients(NamedTuple):
+    """Coefficients of the platform.
 
     Attributes
     ----------
     stiffness, damping
         omega^2 in 1/s2, 2 zeta omega in 1/s.
     tick
-        In s.
+        Hold time of the acceleration, in s.
     stroke, velocity_limit, acceleration_limit
-        In m, m/s, m/s2; infinite where there is none. The stroke is what is left of it for ends of ticks.
+        In m, m/s, m/s2; infinite where there is no limit. The stroke is that at the ends of ticks.
     braking
         Deceleration before the end of the stroke, in m/s2.
     """
@@ -45,13 +46,25 @@ def _limit(value: float) -> float:
     return value if value > 0.0 else math.inf
 
 
-def platform(p: Parameters, tick: float) -> Platform | None:
-    """Derive the coefficients for ticks of a length in s; None where the platform follows exactly.
+def prepare(p: Parameters, tick: float) -> PlatformCoefficients | None:
+    """Derive the coefficients of the platform.
+
+    Parameters
+    ----------
+    p
+        Parameters of the shaker.
+    tick
+        Hold time of the acceleration, in s.
+
+    Returns
+    -------
+    PlatformCoefficients or None
+        None without a lag: the floor is the profile.
 
     Raises
     ------
     ParameterError
-        If there are limits, but no platform.
+        If there are limits, but no lag.
     """
     limits = (p.platform_stroke, p.platform_velocity_limit, p.platform_acceleration_limit)
     if not p.platform_bandwidth > 0.0:
@@ -65,39 +78,47 @@ def platform(p: Parameters, tick: float) -> Platform | None:
     stroke, velocity_limit, acceleration_limit = map(_limit, limits)
     braking = min(acceleration_limit, omega * omega * stroke)
     if stroke < math.inf:
-        stroke = stroke - braking * tick * tick / 8.0  # between two ticks the platform may go that much further
-    return Platform(
+        stroke = stroke - braking * tick * tick / 8.0  # between two ticks the platform may exceed it by this much
+    return PlatformCoefficients(
         omega * omega, 2.0 * p.platform_damping * omega, tick, stroke, velocity_limit, acceleration_limit, braking
     )
 
 
-def _fastest(room: float, c: Platform) -> float:
-    """Velocity at a tick's end from which the platform can still brake; the room is what is left if that is 0."""
+def _max_braking_velocity(room: float, c: PlatformCoefficients) -> float:
+    """Return the largest velocity in m/s at the end of a tick from which the platform can brake within the stroke.
+
+    ``room`` is the rest of the stroke in m if this velocity is 0.
+    """
     half = 0.5 * c.braking * c.tick
     return math.sqrt(max(0.0, half * half + 2.0 * c.braking * room)) - half
 
 
-def acceleration(displacement: float, velocity: float, command: Outputs, c: Platform) -> float:
-    """Return the acceleration over a tick, in m/s2.
+def acceleration(displacement: float, velocity: float, command: Outputs, c: PlatformCoefficients) -> float:
+    """Return the acceleration of the platform over a tick.
 
     Parameters
     ----------
     displacement, velocity
-        Of the platform at the tick's begin, in m and m/s.
+        Of the platform at the begin of the tick, in m and m/s.
     command
-        The profile at the tick's begin.
+        Profile at the begin of the tick.
     c
-        From :func:`platform`.
+        Coefficients from :func:`prepare`.
+
+    Returns
+    -------
+    float
+        In m/s2, within the limits.
     """
     half = 0.5 * c.tick
     target = command.floor_displacement + half * (command.floor_velocity + 0.5 * half * command.floor_acceleration)
-    wanted = (c.stiffness * (target - displacement - half * velocity) - c.damping * velocity) / (
+    demand = (c.stiffness * (target - displacement - half * velocity) - c.damping * velocity) / (
         1.0 + half * c.damping + half * half * c.stiffness
     )
     highest = (c.velocity_limit - velocity) / c.tick
     lowest = (-c.velocity_limit - velocity) / c.tick
     if c.stroke < math.inf:
-        reached = displacement + half * velocity
-        highest = min(highest, (_fastest(c.stroke - reached, c) - velocity) / c.tick)
-        lowest = max(lowest, (-_fastest(c.stroke + reached, c) - velocity) / c.tick)
-    return max(-c.acceleration_limit, min(c.acceleration_limit, max(lowest, min(highest, wanted))))
+        middle = displacement + half * velocity
+        highest = min(highest, (_max_braking_velocity(c.stroke - middle, c) - velocity) / c.tick)
+        lowest = max(lowest, (-_max_braking_velocity(c.stroke + middle, c) - velocity) / c.tick)
+    return max(-c.acceleration_limit, min(c.acceleration_limit, max(lowest, min(highest, demand))))

@@ -1,4 +1,4 @@
-/* Bump, sine and sweep; the formulas are explained in profiles.py. */
+/* Bump, sine and sweep; see profiles.py for the formulas. */
 #include "profiles.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@ static const double pi = 3.14159265358979323846;
 void profile_bump(double time, double height, double length, double speed, shaker_outputs *floor)
 {
     floor->floor_displacement = floor->floor_velocity = floor->floor_acceleration = 0.0;
-    if (time >= -SHAKER_SAME_INSTANT && time < length / speed - SHAKER_SAME_INSTANT) {
+    if (time >= -SHAKER_TIME_TOLERANCE && time < length / speed - SHAKER_TIME_TOLERANCE) {
         const double omega = 2.0 * pi * speed / length;
         const double half = 0.5 * height;
         floor->floor_displacement = half * (1.0 - cos(omega * time));
@@ -25,13 +25,14 @@ void profile_sine(double time, double frequency, double amplitude, shaker_output
     floor->floor_acceleration = -amplitude * omega * omega * sin(omega * time);
 }
 
-/* From 0 at x = 0 to 1 at x = 1, flat and without curvature at both: value, slope, curvature. */
-static void rise(double x, double risen[3])
+/* Evaluate a smooth step from 0 at x = 0 to 1 at x = 1, without slope and curvature at both ends: value, slope,
+ * curvature. */
+static void rise(double x, double step[3])
 {
     const int within = x > 0.0 && x < 1.0;
-    risen[0] = within ? x * x * x * (10.0 + x * (6.0 * x - 15.0)) : x >= 1.0 ? 1.0 : 0.0;
-    risen[1] = within ? 30.0 * x * x * (1.0 - x) * (1.0 - x) : 0.0;
-    risen[2] = within ? 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) : 0.0;
+    step[0] = within ? x * x * x * (10.0 + x * (6.0 * x - 15.0)) : x >= 1.0 ? 1.0 : 0.0;
+    step[1] = within ? 30.0 * x * x * (1.0 - x) * (1.0 - x) : 0.0;
+    step[2] = within ? 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) : 0.0;
 }
 
 void profile_envelope(double time, double duration, double fade, double envelope[3])
@@ -48,9 +49,9 @@ void profile_sweep(double time, const shaker_parameters *p, shaker_outputs *floo
     if (time > 0.0 && time < p->sweep_duration) {
         const double beta = log(p->sweep_stop_frequency / p->sweep_start_frequency) / p->sweep_duration;
         const double omega_0 = 2.0 * pi * p->sweep_start_frequency;
-        const double grown = expm1(beta * time);
-        const double omega = omega_0 * (1.0 + grown);
-        const double phase = omega_0 * (beta != 0.0 ? grown / beta : time);
+        const double growth = expm1(beta * time);
+        const double omega = omega_0 * (1.0 + growth);
+        const double phase = omega_0 * (beta != 0.0 ? growth / beta : time);
         const int of_displacement = p->sweep_mode == SHAKER_SWEEP_DISPLACEMENT;
         const double decay = of_displacement ? 0.0 : 2.0 * beta; /* A' = -decay A */
         const double amplitude = of_displacement ? p->sweep_displacement : p->sweep_acceleration / (omega * omega);

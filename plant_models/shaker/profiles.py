@@ -1,13 +1,14 @@
 """Profiles that are functions of time: bump (34), sine, sweep.
 
-The sweep z = e(t) A(t) sin(phi(t)) runs at omega = omega_0 exp(beta t), beta = ln(f_1/f_0)/T, which makes its phase
+The sweep z = e(t) A(t) sin(phi(t)) has the angular frequency omega = omega_0 exp(beta t), beta = ln(f_1/f_0)/T, and so
+the phase
 
     phi = omega_0 (exp(beta t) - 1)/beta.
 
-Its amplitude is A = c omega^(-n): n = 0 keeps that of the displacement; n = 2 that of the acceleration, but for the
-sweep's own speed, which adds (beta/omega)^2/2 of it: 0.02 % at 0.5 Hz where a minute leads to 20 Hz, and less above.
-Velocity and acceleration are the exact derivatives. The envelope e, twice continuously differentiable, leads from rest
-and back to rest.
+Its amplitude is A = c omega^(-n). With n = 0 the amplitude of the displacement is constant. With n = 2 that of the
+acceleration is, except for (beta/omega)^2/2 of it, which the changing frequency adds: 0.02 % at 0.5 Hz in a sweep to
+20 Hz in one minute, and less above. Velocity and acceleration are the exact derivatives. The envelope e is twice
+continuously differentiable and fades the motion in from rest and out to rest.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ import math
 
 from plant_models.shaker.interface import Outputs, Parameters, SweepMode
 
-SAME_INSTANT = 1e-9
-"""Times closer than this, in s, are one instant: communication points carry rounding errors."""
+TIME_TOLERANCE = 1e-9
+"""Times closer than this, in s, are equal: communication points carry rounding errors."""
 
 
 def bump(time: float, height: float, length: float, speed: float) -> Outputs:
@@ -26,7 +27,7 @@ def bump(time: float, height: float, length: float, speed: float) -> Outputs:
     Parameters
     ----------
     time
-        Since the wheel met the bump, in s.
+        Time since the begin of the bump, in s.
     height, length, speed
         a in m, l in m, v_0 in m/s.
 
@@ -34,8 +35,13 @@ def bump(time: float, height: float, length: float, speed: float) -> Outputs:
     -------
     Outputs
         Right limits: the acceleration jumps at both ends of the bump.
+
+    Examples
+    --------
+    >>> bump(0.4, height=0.07, length=0.8, speed=1.0).floor_displacement
+    0.07
     """
-    if not -SAME_INSTANT <= time < length / speed - SAME_INSTANT:
+    if not -TIME_TOLERANCE <= time < length / speed - TIME_TOLERANCE:
         return Outputs()
     omega = 2.0 * math.pi * speed / length
     half = 0.5 * height
@@ -55,6 +61,11 @@ def sine(time: float, frequency: float, amplitude: float) -> Outputs:
         In s.
     frequency, amplitude
         f in Hz, A in m.
+
+    Returns
+    -------
+    Outputs
+        Motion of the floor.
     """
     omega = 2.0 * math.pi * frequency
     return Outputs(
@@ -65,7 +76,18 @@ def sine(time: float, frequency: float, amplitude: float) -> Outputs:
 
 
 def rise(x: float) -> tuple[float, float, float]:
-    """Rise from 0 at x = 0 to 1 at x = 1, flat and without curvature at both: value, slope, curvature."""
+    """Evaluate a smooth step from 0 at x = 0 to 1 at x = 1, without slope and curvature at both ends.
+
+    Parameters
+    ----------
+    x
+        Any number.
+
+    Returns
+    -------
+    value, slope, curvature : float
+        The quintic 10 x^3 - 15 x^4 + 6 x^5 and its derivatives.
+    """
     if x <= 0.0:
         return 0.0, 0.0, 0.0
     if x >= 1.0:
@@ -78,7 +100,22 @@ def rise(x: float) -> tuple[float, float, float]:
 
 
 def envelope(time: float, duration: float, fade: float) -> tuple[float, float, float]:
-    """Fade in from 0 and out to ``duration``: value, first and second derivative; times in s, two fades fit in."""
+    """Evaluate a window that fades in from time 0 and out to ``duration``.
+
+    Parameters
+    ----------
+    time
+        In s.
+    duration
+        Duration of the window, in s.
+    fade
+        Duration of each fade, in s; at most half the duration of the window.
+
+    Returns
+    -------
+    value, slope, curvature : float
+        From 0 to 1, and the derivatives in 1/s and 1/s2.
+    """
     if time + time <= duration:
         value, slope, curvature = rise(time / fade)
     else:
@@ -88,14 +125,27 @@ def envelope(time: float, duration: float, fade: float) -> tuple[float, float, f
 
 
 def sweep(time: float, p: Parameters) -> Outputs:
-    """Evaluate the sweep and its derivatives at a time in s; at rest before 0 and after its duration."""
+    """Evaluate the sweep and its derivatives; it is at rest before 0 and after its duration.
+
+    Parameters
+    ----------
+    time
+        Time since the begin of the sweep, in s.
+    p
+        Parameters of the shaker.
+
+    Returns
+    -------
+    Outputs
+        Motion of the floor.
+    """
     if not 0.0 < time < p.sweep_duration:
         return Outputs()
     beta = math.log(p.sweep_stop_frequency / p.sweep_start_frequency) / p.sweep_duration
     omega_0 = 2.0 * math.pi * p.sweep_start_frequency
-    grown = math.expm1(beta * time)
-    omega = omega_0 * (1.0 + grown)
-    phase = omega_0 * (grown / beta if beta != 0.0 else time)
+    growth = math.expm1(beta * time)
+    omega = omega_0 * (1.0 + growth)
+    phase = omega_0 * (growth / beta if beta != 0.0 else time)
     if p.sweep_mode == SweepMode.displacement:
         decay, amplitude = 0.0, p.sweep_displacement
     else:

@@ -1,4 +1,4 @@
-/* Samples from a CSV file; its form is described in recording.py. Numbers are read whatever the locale. */
+/* Samples from a CSV file; see recording.py for its format. Numbers are read independently of the locale. */
 #include "recording.h"
 
 #include <math.h>
@@ -11,55 +11,61 @@
 #include <windows.h>
 #endif
 
-enum { MOST_ROWS = 1000000, LONGEST_LINE = 1000, LONGEST_NUMBER = 60, LONGEST_SHOWN = 40 };
+/* Largest number of rows; largest sizes of a line, a number and an excerpt in messages, in bytes. */
+enum { MAX_ROWS = 1000000, MAX_LINE_SIZE = 1000, MAX_NUMBER_SIZE = 60, MAX_EXCERPT = 40 };
 
-static const double largest = 1e12;
-static const double widest_gap = 10.0;
-static const double shortest_step = 1e-6;
+/* Largest magnitude of a number, in its unit. */
+static const double max_magnitude = 1e12;
 
-/* A piece of a line. */
+/* Longest step, in medians of all steps. */
+static const double max_gap = 10.0;
+
+/* Shortest step in s: differences over a much shorter one may overflow. */
+static const double min_step = 1e-6;
+
+/* A part of a line. */
 typedef struct {
     const char *begin;
     size_t length;
-} piece_t;
+} slice_t;
 
-/* A file, its lines counted, and where a line has what. */
+/* Reads the lines of a file and counts them. */
 typedef struct {
     const char *path;
     FILE *stream;
-    long line;
-    char text[LONGEST_LINE + 2];
+    long line;                    /* number of the present line */
+    char text[MAX_LINE_SIZE + 2]; /* of the present line */
     size_t columns, time_column, value_column;
-    int of_acceleration;
+    int is_acceleration;
     char *message;
-    size_t size;
+    size_t size; /* of the message */
 } reader_t;
 
 /* ---- messages ---------------------------------------------------------------------------------------------------- */
 
-/* Say what is wrong with a line, as "expected ..., got ...", and return 0. */
-static int wrong(const reader_t *it, long line, const char *format, ...)
+/* Write a message about a line, "expected ..., got ...", and return 0. */
+static int report_error(const reader_t *reader, long line, const char *format, ...)
 {
     va_list arguments;
-    const int length = snprintf(it->message, it->size, "%s, line %ld: ", it->path, line);
-    if (length > 0 && (size_t)length < it->size) {
+    const int length = snprintf(reader->message, reader->size, "%s, line %ld: ", reader->path, line);
+    if (length > 0 && (size_t)length < reader->size) {
         va_start(arguments, format);
-        vsnprintf(it->message + length, it->size - (size_t)length, format, arguments);
+        vsnprintf(reader->message + length, reader->size - (size_t)length, format, arguments);
         va_end(arguments);
     }
     return 0;
 }
 
-/* Show a piece of a file in a message. */
-static const char *shown(piece_t piece, char shown[LONGEST_SHOWN + 1])
+/* Return the begin of a text for a message. */
+static const char *excerpt(slice_t slice, char text[MAX_EXCERPT + 1])
 {
     size_t length = 0;
-    for (; length < piece.length && length < LONGEST_SHOWN; ++length) {
-        const char c = piece.begin[length];
-        shown[length] = c >= 32 && c < 127 ? c : '?';
+    for (; length < slice.length && length < MAX_EXCERPT; ++length) {
+        const char c = slice.begin[length];
+        text[length] = c >= 32 && c < 127 ? c : '?';
     }
-    shown[length] = '\0';
-    return length > 0 ? shown : "nothing";
+    text[length] = '\0';
+    return length > 0 ? text : "nothing";
 }
 
 /* ---- lines ------------------------------------------------------------------------------------------------------- */
@@ -76,40 +82,42 @@ static FILE *open_file(const char *path)
 }
 
 /* Read a line without its end. Returns 1, 0 at the end of the file, or -1 where it is too long. */
-static int next_line(reader_t *it, piece_t *line)
+static int next_line(reader_t *reader, slice_t *line)
 {
     size_t length = 0;
-    int c = getc(it->stream);
+    int c = getc(reader->stream);
     if (c == EOF) {
         return 0;
     }
-    it->line += 1;
-    for (; c != EOF && c != '\n' && length < sizeof it->text; c = getc(it->stream)) {
-        it->text[length++] = (char)c;
+    reader->line += 1;
+    for (; c != EOF && c != '\n' && length < sizeof reader->text; c = getc(reader->stream)) {
+        reader->text[length++] = (char)c;
     }
-    line->begin = it->text;
-    line->length = length > 0 && it->text[length - 1] == '\r' ? length - 1 : length;
-    if (length == sizeof it->text || line->length > LONGEST_LINE) {
-        wrong(it, it->line, "expected at most %d characters, got more", (int)LONGEST_LINE);
+    line->begin = reader->text;
+    line->length = length > 0 && reader->text[length - 1] == '\r' ? length - 1 : length;
+    if (length == sizeof reader->text || line->length > MAX_LINE_SIZE) {
+        report_error(reader, reader->line, "expected at most %d characters, got more", (int)MAX_LINE_SIZE);
         return -1;
     }
     return 1;
 }
 
-static piece_t stripped(piece_t piece)
+/* Remove blanks at both ends. */
+static slice_t stripped(slice_t slice)
 {
-    while (piece.length > 0 && (piece.begin[0] == ' ' || piece.begin[0] == '\t')) {
-        piece.begin += 1;
-        piece.length -= 1;
+    while (slice.length > 0 && (slice.begin[0] == ' ' || slice.begin[0] == '\t')) {
+        slice.begin += 1;
+        slice.length -= 1;
     }
-    while (piece.length > 0 && (piece.begin[piece.length - 1] == ' ' || piece.begin[piece.length - 1] == '\t')) {
-        piece.length -= 1;
+    while (slice.length > 0 && (slice.begin[slice.length - 1] == ' ' || slice.begin[slice.length - 1] == '\t')) {
+        slice.length -= 1;
     }
-    return piece;
+    return slice;
 }
 
-/* Cut the cell before the next comma off a line; returns 0 where there is none left, which its begin is NULL for. */
-static int next_cell(piece_t *line, piece_t *cell)
+/* Take the cell before the next comma off a line; returns 0 where there is none left. Then the begin of the line is
+ * NULL. */
+static int next_cell(slice_t *line, slice_t *cell)
 {
     if (line->begin == NULL) {
         return 0;
@@ -125,7 +133,8 @@ static int next_cell(piece_t *line, piece_t *cell)
 
 /* ---- header ------------------------------------------------------------------------------------------------------ */
 
-static int is_named(piece_t cell, const char *name)
+/* Whether a cell holds a name, with or without quotes. */
+static int is_named(slice_t cell, const char *name)
 {
     if (cell.length >= 2 && cell.begin[0] == '"' && cell.begin[cell.length - 1] == '"') {
         cell.begin += 1;
@@ -134,36 +143,39 @@ static int is_named(piece_t cell, const char *name)
     return cell.length == strlen(name) && memcmp(cell.begin, name, cell.length) == 0;
 }
 
-static int read_header(reader_t *it)
+/* Read the names of the columns. */
+static int read_header(reader_t *reader)
 {
-    char got[LONGEST_SHOWN + 1];
+    char got[MAX_EXCERPT + 1];
     int times = 0, accelerations = 0, displacements = 0;
-    piece_t line = {it->text, 0}, header, cell;
-    if (next_line(it, &line) < 0) {
+    slice_t line = {reader->text, 0}, header, cell;
+    if (next_line(reader, &line) < 0) {
         return 0;
     }
-    it->line = 1;
+    reader->line = 1;
     if (line.length >= 3 && memcmp(line.begin, "\xef\xbb\xbf", 3) == 0) {
         line.begin += 3;
         line.length -= 3;
     }
     header = line;
-    for (it->columns = 0; next_cell(&line, &cell); ++it->columns) {
+    for (reader->columns = 0; next_cell(&line, &cell); ++reader->columns) {
         const int is_time = is_named(cell, "time");
         const int is_acceleration = is_named(cell, "acceleration"), is_displacement = is_named(cell, "displacement");
         times += is_time;
         accelerations += is_acceleration;
         displacements += is_displacement;
-        it->time_column = is_time ? it->columns : it->time_column;
-        it->value_column = is_acceleration || is_displacement ? it->columns : it->value_column;
+        reader->time_column = is_time ? reader->columns : reader->time_column;
+        reader->value_column = is_acceleration || is_displacement ? reader->columns : reader->value_column;
     }
-    it->of_acceleration = accelerations > 0;
+    reader->is_acceleration = accelerations > 0;
     return (times == 1 && accelerations + displacements == 1) ||
-           wrong(it, 1, "expected the columns time and one of acceleration, displacement, got %s", shown(header, got));
+           report_error(reader, 1, "expected the columns time and one of acceleration, displacement, got %s",
+                        excerpt(header, got));
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
+/* Return the number of digits at the begin of a text. */
 static size_t digits(const char *text)
 {
     return strspn(text, "0123456789");
@@ -188,11 +200,11 @@ static int is_number(const char *text)
     return whole + fraction > 0 && *at == '\0';
 }
 
-/* The number in a cell, or NAN. The library's function wants the decimal point of the host's locale. */
-static double number_in(piece_t cell)
+/* Return the number in a cell, or NAN. strtod expects the decimal point of the host's locale. */
+static double parse_number(slice_t cell)
 {
-    char text[LONGEST_NUMBER + 1], localised[LONGEST_NUMBER + 16], half[16];
-    if (cell.length > LONGEST_NUMBER) {
+    char text[MAX_NUMBER_SIZE + 1], localised[MAX_NUMBER_SIZE + 16], half[16];
+    if (cell.length > MAX_NUMBER_SIZE) {
         return NAN;
     }
     memcpy(text, cell.begin, cell.length);
@@ -210,71 +222,76 @@ static double number_in(piece_t cell)
     return strtod(localised, NULL);
 }
 
-static int read_number(const reader_t *it, piece_t cell, const char *name, double *value)
+/* Read the number in a cell; `name` is that of its column. */
+static int read_number(const reader_t *reader, slice_t cell, const char *name, double *value)
 {
-    char got[LONGEST_SHOWN + 1];
-    *value = number_in(cell);
-    return fabs(*value) <= largest || wrong(it, it->line, "expected a number of up to %g either way as %s, got %s",
-                                            largest, name, shown(cell, got));
+    char got[MAX_EXCERPT + 1];
+    *value = parse_number(cell);
+    return fabs(*value) <= max_magnitude ||
+           report_error(reader, reader->line, "expected a number of up to %g either way as %s, got %s", max_magnitude,
+                        name, excerpt(cell, got));
 }
 
-static int read_row(const reader_t *it, piece_t line, double *time, double *value)
+/* Read time and value of a line. */
+static int read_row(const reader_t *reader, slice_t line, double *time, double *value)
 {
-    piece_t cell, time_cell = {NULL, 0}, value_cell = {NULL, 0};
+    slice_t cell, time_cell = {NULL, 0}, value_cell = {NULL, 0};
     size_t column = 0;
     for (; next_cell(&line, &cell); ++column) {
-        time_cell = column == it->time_column ? cell : time_cell;
-        value_cell = column == it->value_column ? cell : value_cell;
+        time_cell = column == reader->time_column ? cell : time_cell;
+        value_cell = column == reader->value_column ? cell : value_cell;
     }
-    if (column != it->columns) {
-        return wrong(it, it->line, "expected %lu columns, got %lu", (unsigned long)it->columns, (unsigned long)column);
+    if (column != reader->columns) {
+        return report_error(reader, reader->line, "expected %lu columns, got %lu", (unsigned long)reader->columns,
+                            (unsigned long)column);
     }
-    return read_number(it, time_cell, "time", time) &&
-           read_number(it, value_cell, it->of_acceleration ? "acceleration" : "displacement", value);
+    return read_number(reader, time_cell, "time", time) &&
+           read_number(reader, value_cell, reader->is_acceleration ? "acceleration" : "displacement", value);
 }
 
 /* Make room for one more sample. */
-static int grow(const reader_t *it, recording_samples *samples, size_t *room)
+static int reserve_row(const reader_t *reader, recording_samples *samples, size_t *room)
 {
     if (samples->count < *room) {
         return 1;
     }
-    if (samples->count == MOST_ROWS) {
-        return wrong(it, it->line, "expected at most %d rows, got more", (int)MOST_ROWS);
+    if (samples->count == MAX_ROWS) {
+        return report_error(reader, reader->line, "expected at most %d rows, got more", (int)MAX_ROWS);
     }
-    const size_t wanted = *room < 1024 ? 1024 : *room < MOST_ROWS / 2 ? 2 * *room : MOST_ROWS;
-    double *times = realloc(samples->times, wanted * sizeof *times);
+    const size_t capacity = *room < 1024 ? 1024 : *room < MAX_ROWS / 2 ? 2 * *room : MAX_ROWS;
+    double *times = realloc(samples->times, capacity * sizeof *times);
     samples->times = times != NULL ? times : samples->times;
-    double *values = realloc(samples->values, wanted * sizeof *values);
+    double *values = realloc(samples->values, capacity * sizeof *values);
     samples->values = values != NULL ? values : samples->values;
-    *room = wanted;
+    *room = capacity;
     return (times != NULL && values != NULL) ||
-           wrong(it, it->line, "expected memory for %lu rows, got none", (unsigned long)wanted);
+           report_error(reader, reader->line, "expected memory for %lu rows, got none", (unsigned long)capacity);
 }
 
-static int read_rows(reader_t *it, recording_samples *samples)
+/* Read all rows; times rise, and only the end may have empty lines. */
+static int read_rows(reader_t *reader, recording_samples *samples)
 {
-    piece_t line;
+    slice_t line;
     long empty = 0;
     size_t room = 0;
     int found;
-    while ((found = next_line(it, &line)) > 0) {
+    while ((found = next_line(reader, &line)) > 0) {
         double time, value;
         if (stripped(line).length == 0) {
-            empty = empty != 0 ? empty : it->line;
+            empty = empty != 0 ? empty : reader->line;
             continue;
         }
         if (empty != 0) {
-            return wrong(it, empty, "expected no empty line but at the end, got one");
+            return report_error(reader, empty, "expected no empty line but at the end, got one");
         }
-        if (!read_row(it, line, &time, &value)) {
+        if (!read_row(reader, line, &time, &value)) {
             return 0;
         }
         if (samples->count > 0 && !(time > samples->times[samples->count - 1])) {
-            return wrong(it, it->line, "expected a time above %.10g s, got %.10g s", samples->times[samples->count - 1],
-                         time);
+            return report_error(reader, reader->line, "expected a time above %.10g s, got %.10g s",
+                                samples->times[samples->count - 1], time);
         }
-        if (!grow(it, samples, &room)) {
+        if (!reserve_row(reader, samples, &room)) {
             return 0;
         }
         samples->times[samples->count] = time;
@@ -293,16 +310,16 @@ static int ascending(const void *a, const void *b)
 }
 
 /* Check the number of rows and the steps between them. */
-static int check(const reader_t *it, const recording_samples *samples)
+static int check_rows(const reader_t *reader, const recording_samples *samples)
 {
-    if (samples->count < RECORDING_FEWEST_ROWS) {
-        return wrong(it, it->line, "expected at least %d rows, got %lu", (int)RECORDING_FEWEST_ROWS,
-                     (unsigned long)samples->count);
+    if (samples->count < RECORDING_MIN_ROWS) {
+        return report_error(reader, reader->line, "expected at least %d rows, got %lu", (int)RECORDING_MIN_ROWS,
+                            (unsigned long)samples->count);
     }
     const size_t count = samples->count - 1;
     double *steps = malloc(count * sizeof *steps);
     if (steps == NULL) {
-        return wrong(it, it->line, "expected memory for %lu rows, got none", (unsigned long)count);
+        return report_error(reader, reader->line, "expected memory for %lu rows, got none", (unsigned long)count);
     }
     for (size_t i = 0; i < count; ++i) {
         steps[i] = samples->times[i + 1] - samples->times[i];
@@ -312,12 +329,13 @@ static int check(const reader_t *it, const recording_samples *samples)
     free(steps);
     for (size_t i = 0; i < count; ++i) {
         const double step = samples->times[i + 1] - samples->times[i];
-        if (step < shortest_step) {
-            return wrong(it, (long)i + 3, "expected a step of at least %g s, got %.10g s", shortest_step, step);
+        if (step < min_step) {
+            return report_error(reader, (long)i + 3, "expected a step of at least %g s, got %.10g s", min_step, step);
         }
-        if (step > widest_gap * median) {
-            return wrong(it, (long)i + 3, "expected a step of at most %g times the median of %.10g s, got %.10g s",
-                         widest_gap, median, step);
+        if (step > max_gap * median) {
+            return report_error(reader, (long)i + 3,
+                                "expected a step of at most %g times the median of %.10g s, got %.10g s", max_gap,
+                                median, step);
         }
     }
     return 1;
@@ -326,22 +344,22 @@ static int check(const reader_t *it, const recording_samples *samples)
 const char *recording_read(const char *path, recording_samples *samples, char *message, size_t size)
 {
     static const recording_samples none;
-    reader_t it = {path, open_file(path), 0, {0}, 0, 0, 0, 0, message, size};
-    int fine = 0, readable = 0;
+    reader_t reader = {path, open_file(path), 0, {0}, 0, 0, 0, 0, message, size};
+    int is_valid = 0, readable = 0;
     *samples = none;
-    if (it.stream != NULL) {
-        fine = read_header(&it) && read_rows(&it, samples) && check(&it, samples);
-        readable = !ferror(it.stream);
-        fclose(it.stream);
+    if (reader.stream != NULL) {
+        is_valid = read_header(&reader) && read_rows(&reader, samples) && check_rows(&reader, samples);
+        readable = !ferror(reader.stream);
+        fclose(reader.stream);
     }
     if (!readable) {
         snprintf(message, size, "%s: expected a file that can be read, got none", path);
     }
-    if (!fine || !readable) {
+    if (!is_valid || !readable) {
         recording_free(samples);
         return message;
     }
-    samples->of_acceleration = it.of_acceleration;
+    samples->is_acceleration = reader.is_acceleration;
     const double first = samples->times[0];
     for (size_t i = 0; i < samples->count; ++i) {
         samples->times[i] = samples->times[i] - first;

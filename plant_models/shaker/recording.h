@@ -1,18 +1,20 @@
-/* Recorded motion, the samples of a CSV file: the twin of recording.py. Allocates, reads a file; keeps neither. */
+/* Recorded motion in CSV files, the C twin of recording.py. Allocates memory and reads a file while it is called. */
 #ifndef RECORDING_H
 #define RECORDING_H
 
 #include <stddef.h>
 
-enum { RECORDING_FEWEST_ROWS = 10 };
+/* Smallest number of rows. */
+enum { RECORDING_MIN_ROWS = 10 };
 
 typedef struct {
-    int of_acceleration;    /* values in m/s2, else in m */
+    int is_acceleration; /* values in m/s2, otherwise displacements in m */
     size_t count;
     double *times, *values; /* times in s, rising from 0 */
 } recording_samples;
 
-/* Read a recording. Returns NULL, or what is wrong in a message of that size; then there are no samples. */
+/* Read a recording. Returns NULL, or what is wrong in `message`, which has room for `size` bytes; then there are no
+ * samples. */
 const char *recording_read(const char *path, recording_samples *samples, char *message, size_t size);
 
 /* Free the samples. */

@@ -1,9 +1,9 @@
-"""Where commands print: tables to standard output, progress to a terminal's standard error."""
+"""Output of commands: tables go to standard output, warnings and progress to standard error."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -12,29 +12,56 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from cosim.results.result import Result
 
 console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-"""For what a command has to say."""
+"""Console of a command's output."""
 
 stderr = Console(stderr=True, highlight=False)
-"""For warnings and progress."""
+"""Console of warnings and progress."""
 
 
 @contextmanager
-def progress_shown(what: str) -> Iterator[Callable[[str], None]]:
-    """Show on a terminal that something goes on; yields a function that changes the words."""
+def progress_shown(task: str) -> Iterator[Callable[[str], None]]:
+    """Show on a terminal that a task is running.
+
+    Parameters
+    ----------
+    task
+        Name of the task.
+
+    Yields
+    ------
+    Callable
+        Function that shows a text behind the task's name.
+    """
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=stderr, transient=True, disable=not stderr.is_terminal) as progress:
-        task = progress.add_task(what, total=None)
-        yield lambda text: progress.update(task, description=f"{what}: {text}")
+        number = progress.add_task(task, total=None)
+        yield lambda text: progress.update(number, description=f"{task}: {text}")
 
 
 def command_line() -> list[str]:
-    """Return what was typed, word by word, by the command's name rather than its path."""
+    """Return the words of the command line, with the command's name instead of its path."""
     return ["seat-cosim", *sys.argv[1:]]
 
 
-def conclude(result: Result) -> None:
-    """Print a run's warnings; an incomplete one ends the command with its error."""
-    for text in result.warnings:
+def print_warnings(texts: Iterable[str]) -> None:
+    """Print warnings, a line each."""
+    for text in texts:
         stderr.print(f"warning: {text}", markup=False, soft_wrap=True)
+
+
+def print_outcome(result: Result) -> None:
+    """Print a run's warnings.
+
+    Parameters
+    ----------
+    result
+        Result of the run.
+
+    Raises
+    ------
+    CosimError
+        The run's error, if it did not reach its stop time.
+    """
+    print_warnings(result.warnings)
     if result.error is not None:
         raise result.error

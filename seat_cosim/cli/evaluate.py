@@ -1,49 +1,29 @@
-"""``seat-cosim evaluate``: SEAT and its relatives over excitation classes and drivers, against a passive seat."""
+"""``seat-cosim evaluate``: SEAT and other metrics over excitation classes and drivers, against a passive seat."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.engine.editing import edit
-from cosim.errors import SetupError, writing_to
 from cosim.system import System
-from seat_cosim.cli.console import command_line, console, progress_shown, stderr
-from seat_cosim.cli.options import assignments, parameter_sets, parameters_option, set_option, settings_of
-from seat_cosim.cli.seat_options import (
-    control_option,
-    flavour_option,
-    fmus_option,
-    gains_of,
-    gains_option,
-    observer_of,
-    observer_option,
-)
-from seat_cosim.evaluation.seat import passive_seat, ports
+from seat_cosim.cli.console import command_line, console, print_warnings, progress_shown
+from seat_cosim.cli.options import listed, replace_option, replacements
+from seat_cosim.cli.seat_options import SeatOptions, seat_options
+from seat_cosim.evaluation.seat import PASSIVE_NOTE, passive_seat, seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
-from seat_cosim.scenarios import control, seat_suspension
+from seat_cosim.scenarios import read_parameter_sets
 
-if TYPE_CHECKING:
-    from seat_cosim.evaluation.evaluation import Evaluation, Protocol
+if TYPE_CHECKING:  # the metrics take long to load
+    from seat_cosim.evaluation.protocol import Protocol
+    from seat_cosim.evaluation.results import Evaluation
 
-T = TypeVar("T")
-
-_PORTS = ports()
-
-_LIMITS = "The SEAT limits are those of ISO 7096 as recalled: check them in the standard before relying on them."
-_MODEL = "Everything is computed by co-simulation; no person and no seat was measured."
-_PASSIVE = (
-    "The passive seat is not the paper's, of which nothing is published: its damping is fitted on one of its numbers, "
-    "its friction is assumed; docs/explanation/calibration.md tells how."
-)
-_NAMED = {"gains": "gains", "Observer": "number", "control": "switch"}
-"""What a system's title says of the choices: word to option."""
+_DEFAULT = seat_signals()
 
 
 @click.command()
@@ -52,37 +32,41 @@ _NAMED = {"gains": "gains", "Observer": "number", "control": "switch"}
 @click.option("--masses", metavar="KG,KG", help="Drivers [default: 45,55,70,80,100,120].")
 @click.option("--seeds", metavar="N,N", help="A run each [default: 1,2,3].")
 @click.option("--duration", type=float, metavar="S", help="Evaluated of each run [default: 180].")
-@click.option("--settle", type=float, metavar="S", help="Left out before it [default: 10].")
-@gains_option
-@observer_option
-@control_option
-@click.option("--replace", multiple=True, metavar="COMPONENT=FILE.fmu", help="Put another FMU in a component's place.")
-@parameters_option
-@set_option
-@click.option("--seat-signal", metavar="A.x", help=f"Acceleration where the driver sits [default: {_PORTS.seat}].")
-@click.option("--floor-signal", metavar="A.x", help=f"Acceleration of the floor [default: {_PORTS.floor}].")
-@click.option("--deflection-signal", metavar="A.x", help=f"[default: {_PORTS.deflection}, if there]")
-@click.option("--force-signal", metavar="A.x", help=f"[default: {_PORTS.force}, if there]")
+@click.option("--settle", "--warm-up", "warm_up", type=float, metavar="S", help="Left out before it [default: 10].")
+@seat_options("gains", "observer", "control", "parameter_files", "settings")
+@replace_option
+@click.option(
+    "--seat-signal",
+    metavar="A.x",
+    help=f"Acceleration where the driver sits [default: {_DEFAULT.seat_acceleration}].",
+)
+@click.option(
+    "--floor-signal", metavar="A.x", help=f"Acceleration of the floor [default: {_DEFAULT.floor_acceleration}]."
+)
+@click.option("--deflection-signal", metavar="A.x", help=f"[default: {_DEFAULT.suspension_deflection}, if there]")
+@click.option("--force-signal", metavar="A.x", help=f"[default: {_DEFAULT.actuator_force}, if there]")
 @click.option(
     "--driver-mass-parameter",
     "mass_parameters",
     multiple=True,
     metavar="A.x",
-    help=f"Takes the driver's mass; repeatable [default: {' and '.join(_PORTS.driver_mass)}, if there].",
+    help=f"Takes the driver's mass; repeatable [default: {' and '.join(_DEFAULT.driver_mass)}, if there].",
 )
 @click.option("--shaker", metavar="COMPONENT", default="shaker", show_default=True, help="Which is our Shaker.")
 @click.option(
-    "--travel-parameter", metavar="A.x", help=f"Travel to the end stops [default: {_PORTS.travel}, if there]."
+    "--travel-parameter",
+    metavar="A.x",
+    help=f"Travel to the end stops [default: {_DEFAULT.end_stop_travel}, if there].",
 )
 @click.option(
     "--passive", metavar="FILE.ssv|NAME", default="passive", show_default=True, help="What makes the passive seat."
 )
 @click.option("--processes", type=click.IntRange(min=1), metavar="N", help="[default: one for each core]")
-@flavour_option
-@fmus_option
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/evaluate/NAME].")
 def evaluate(
     file: Path | None,
+    seat: SeatOptions,
+    replace: tuple[str, ...],
     seat_signal: str | None,
     floor_signal: str | None,
     deflection_signal: str | None,
@@ -92,16 +76,14 @@ def evaluate(
     travel_parameter: str | None,
     passive: str,
     processes: int | None,
-    flavour: str,
-    fmus_folder: Path,
     output: Path | None,
-    **choices: Any,
+    **given: Any,
 ) -> None:
-    """Judge a seat by ISO 7096 and ISO 2631-1: SEAT, VDV, stroke, force over machines and drivers.
+    """Evaluate a seat by ISO 7096 and ISO 2631-1: SEAT, VDV, stroke, force over machines and drivers.
 
-    Without FILE.ssp it is the seat suspension; any other system will do whose shaker is ours, with the names of its
-    signals. The passive seat rides along. Leaves a page (evaluation.html), a table (evaluation.csv), a figure
-    (seat.svg, seat.png) and the system as it was evaluated (system.ssp).
+    Without FILE.ssp the seat suspension is evaluated, otherwise any system that has our Shaker, by the names of its
+    signals; the passive seat is evaluated beside it. Writes a page (evaluation.html), a table (evaluation.csv), a
+    figure (seat.svg, seat.png) and the system as it was evaluated (system.ssp).
 
     \b
     Examples:
@@ -110,111 +92,88 @@ def evaluate(
       seat-cosim evaluate --replace controller=Skyhook.fmu
       seat-cosim evaluate Chair.ssp --seat-signal chair.acc --driver-mass-parameter chair.load
     """
-    from seat_cosim.evaluation.evaluation import check
-    from seat_cosim.evaluation.evaluation import evaluate as evaluate_all
-    from seat_cosim.evaluation.report import verdict, write
+    from seat_cosim.evaluation.evaluate_to_folder import evaluate_to_folder
+    from seat_cosim.evaluation.verdict import LIMITS_NOTE, MODEL_NOTE, verdict
 
     names = {
-        "seat": seat_signal,
-        "floor": floor_signal,
-        "deflection": deflection_signal,
-        "force": force_signal,
+        "seat_acceleration": seat_signal,
+        "floor_acceleration": floor_signal,
+        "suspension_deflection": deflection_signal,
+        "actuator_force": force_signal,
         "driver_mass": mass_parameters,
-        "travel": travel_parameter,
+        "end_stop_travel": travel_parameter,
     }
-    protocol = _protocol(choices)
-    seats = fmus_folder / flavour
-    system = System.load(file) if file else seat_suspension(seats)
-    _change(system, choices)
-    found = ports(shaker).found_in(system, {name: text for name, text in names.items() if text})
-    reference = seat_suspension(seats)
-    subjects = [
-        EvaluatedSystem(_title(system, choices), system, found),
-        passive_seat(reference, parameter_sets([passive], reference)),
+    protocol = _protocol(**given)
+    system = System.load(file) if file else seat.system()
+    edit(system, replacements(replace), (), ())
+    system.parameters |= seat.parameters(system)
+    system.check_parameters({})
+    signals = seat_signals(shaker).for_system(system, {name: value for name, value in names.items() if value})
+    reference = seat.system()
+    systems = [
+        EvaluatedSystem(_title(system, seat, replace), system, signals),
+        passive_seat(reference, read_parameter_sets([passive], reference)),
     ]
-    for subject in subjects:
-        check(subject, protocol)
     folder = output or Path("results", "evaluate", file.stem if file else system.name)
-    with writing_to(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    notes = [MODEL_NOTE, LIMITS_NOTE, *([PASSIVE_NOTE] if passive == "passive" else [])]
     with progress_shown("evaluating") as report:
-        evaluations = evaluate_all(
-            subjects,
+        evaluations, files = evaluate_to_folder(
+            systems,
             protocol,
-            processes or os.cpu_count() or 1,
-            lambda done, of: report(f"{done} of {of} classes"),
+            folder,
+            processes=processes or os.cpu_count() or 1,
+            progress=report,
+            command=command_line(),
+            notes=notes,
         )
-        report("page")
-        notes = [_MODEL, _LIMITS, *([_PASSIVE] if passive == "passive" else [])]
-        files = write(folder, evaluations, protocol, command_line(), notes)
     for evaluation in evaluations:
-        _print(evaluation, protocol)
-    for text in evaluations[0].warnings:
-        stderr.print(f"warning: {text}", markup=False, soft_wrap=True)
+        console.print(_table(evaluation, protocol))
+    print_warnings(evaluations[0].warnings)
     console.print(f"{verdict(evaluations[0])}.")
     for note in notes:
         console.print(f"- {note}", markup=False)
     console.print(f"{', '.join(path.name for path in files)} in {folder}", soft_wrap=True)
 
 
-def _protocol(choices: dict[str, Any]) -> Protocol:
-    """Read classes, masses, seeds and times."""
-    from seat_cosim.evaluation.evaluation import Protocol
+def _protocol(**given: Any) -> Protocol:
+    """Make the protocol of the options that are given."""
+    from seat_cosim.evaluation.protocol import Protocol
 
-    given: dict[str, Any] = {name: choices[name] for name in ("duration", "settle") if choices[name] is not None}
     for name, kind, what in (("classes", str, "names"), ("masses", float, "numbers"), ("seeds", int, "whole numbers")):
-        if choices[name] is not None:
-            given[name] = _listed(f"--{name}", choices[name], kind, what)
-    return Protocol(**given)
+        if given[name] is not None:
+            given[name] = listed(f"--{name}", given[name], kind, what)
+    return Protocol(**{name: value for name, value in given.items() if value is not None})
 
 
-def _listed(option: str, text: str, kind: Callable[[str], T], what: str) -> tuple[T, ...]:
-    """Read words with commas between."""
-    try:
-        return tuple(kind(word.strip()) for word in text.split(",") if word.strip())
-    except ValueError:
-        raise SetupError(f"{option} {text}: expected {what} with commas between") from None
+def _title(system: System, seat: SeatOptions, replace: tuple[str, ...]) -> str:
+    """Return a title: the system's name, and what the options change."""
+    files = (text.partition("=")[2].strip() for text in replace)
+    return ", ".join([system.name, *seat.choices, *(Path(file).stem for file in files)])
 
 
-def _change(system: System, choices: dict[str, Any]) -> None:
-    """Put in other FMUs and give parameters, later ones over earlier."""
-    edit(system, assignments("--replace", choices["replace"], "COMPONENT=FILE.fmu"), (), ())
-    system.parameters |= parameter_sets(choices["parameter_files"], system)
-    system.parameters |= gains_of(choices["gains"]) if choices["gains"] else {}
-    system.parameters |= observer_of(int(choices["number"])) if choices["number"] else {}
-    system.parameters |= control(choices["switch"] == "on") if choices["switch"] else {}
-    system.parameters |= parameter_sets(["passive"], system) if choices["switch"] == "passive" else {}
-    system.parameters |= settings_of(choices["settings"])
-    system.check_parameters({})
+def _table(evaluation: Evaluation, protocol: Protocol) -> Table:
+    """Make a table of all SEAT, those above the limit marked, and of the largest other metrics."""
+    from seat_cosim.evaluation.protocol import seat_limit
+    from seat_cosim.evaluation.results import METRICS
+    from seat_cosim.evaluation.verdict import exceeds_limit
 
-
-def _title(system: System, choices: dict[str, Any]) -> str:
-    """Name a system by what was changed of it."""
-    words = [f"{name} {choices[key]}" for name, key in _NAMED.items() if choices[key]]
-    words += [Path(text).stem for text in choices["parameter_files"]]
-    words += [Path(text.partition("=")[2].strip()).stem for text in choices["replace"]]
-    return ", ".join([system.name, *words])
-
-
-def _print(evaluation: Evaluation, protocol: Protocol) -> None:
-    """Print the SEAT of all rides, those above the limit marked, and the largest of the other numbers."""
-    from seat_cosim.evaluation.evaluation import COLUMNS
-    from seat_cosim.evaluation.report import limit, shown, too_high
-
-    table = Table("SEAT", title=evaluation.subject.title, title_justify="left", box=SIMPLE)
-    for kind in protocol.classes:
-        table.add_column(kind, justify="right")
-    table.add_row("limit", *("–" if limit(kind) is None else f"{limit(kind):.1f}" for kind in protocol.classes))
+    results = evaluation.results
+    table = Table("SEAT", title=evaluation.evaluated.title, title_justify="left", box=SIMPLE)
+    for name in protocol.classes:
+        table.add_column(name, justify="right")
+    limits = [seat_limit(name) for name in protocol.classes]
+    table.add_row("limit", *("–" if limit is None else f"{limit:.1f}" for limit in limits))
     for mass in protocol.masses:
-        cells = {kind: evaluation.cells[kind, mass] for kind in protocol.classes}
-        marks = (f"{cell.seat:.2f}{'!' if too_high(kind, cell) else ''}" for kind, cell in cells.items())
-        table.add_row(f"{mass:g} kg", *marks)
-    table.add_section()
-    for column in COLUMNS[1:]:
-        worst = (
-            max((evaluation.cells[kind, mass] for mass in protocol.masses), key=lambda cell: column.number(cell) or 0.0)
-            for kind in protocol.classes
+        row = [(name, results[name, mass]) for name in protocol.classes]
+        table.add_row(
+            f"{mass:g} kg", *(f"{result.seat:.2f}{'!' if exceeds_limit(name, result) else ''}" for name, result in row)
         )
-        unit = "" if column.unit == "1" else f", {column.unit}"
-        table.add_row(f"worst {column.title}{unit}", *(shown(column, cell) for cell in worst))
-    console.print(table)
+    table.add_section()
+    for metric in METRICS[1:]:
+        worst = (
+            max((results[name, mass] for mass in protocol.masses), key=lambda result: metric.number(result) or 0.0)
+            for name in protocol.classes
+        )
+        unit = f", {metric.unit_shown}" if metric.unit_shown else ""
+        table.add_row(f"worst {metric.title}{unit}", *(metric.text(result) for result in worst))
+    return table

@@ -1,4 +1,4 @@
-"""The command line: its commands, and errors turned into exit codes."""
+"""The command line: its commands, and the exit code and message of each error."""
 
 from __future__ import annotations
 
@@ -37,13 +37,16 @@ for command in (build, design, evaluate, fmus, reproduce, rerun, run, simulate, 
 
 
 def main() -> None:
-    """Run the command line; exits with 0, 2 (seen before an FMU was instantiated) or 1 (failed later)."""
+    """Run the command line and exit.
+
+    The exit code is 0 after success, 2 for an error found before an FMU was instantiated, 1 for a later one.
+    """
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
     try:
         app.main(arguments, standalone_mode=False)
     except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt) as error:
-        code, message = _judge(error)
+        code, message = _code_and_message(error)
         if debug:
             traceback.print_exc()
         click.echo(message, err=True)
@@ -51,8 +54,8 @@ def main() -> None:
     sys.exit(0)
 
 
-def _judge(error: BaseException) -> tuple[int, str]:
-    """Say an error in one line, and which exit code it is."""
+def _code_and_message(error: BaseException) -> tuple[int, str]:
+    """Return the exit code of an error and its message of one line."""
     if isinstance(error, click.exceptions.NoArgsIsHelpError):
         return 2, error.format_message()
     if isinstance(error, click.ClickException):

@@ -1,24 +1,20 @@
-"""What commands that run a system have in common: options, and how their words are read."""
+"""Options of commands that run any system, and functions that read their arguments."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import reduce
-from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
-from cosim.engine.structure import Structure
 from cosim.errors import SetupError
-from cosim.fmi.archive import is_file
 from cosim.fmi.isolated import TIME_LIMIT
-from cosim.fmi.values import Value
 from cosim.results.formats import FORMATS
-from cosim.ssp import read_parameters
-from plant_models.parameter_sets import NAMES, path
+from plant_models.parameter_sets import NAMES
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+T = TypeVar("T")
 
 _RUN_OPTIONS = (
     click.option(
@@ -39,6 +35,10 @@ _RUN_OPTIONS = (
     ),
 )
 
+replace_option = click.option(
+    "--replace", multiple=True, metavar="COMPONENT=FILE.fmu", help="Put another FMU in a component's place."
+)
+
 set_option = click.option(
     "--set", "settings", multiple=True, metavar="COMPONENT.VARIABLE=VALUE", help="Any parameter; wins."
 )
@@ -48,31 +48,41 @@ parameters_option = click.option(
     "parameter_files",
     multiple=True,
     metavar="FILE.ssv|NAME",
-    help=f"Parameters: a file, or a set that comes along ({', '.join(NAMES)}); repeatable, later wins.",
+    help=f"Parameters: a file, or a set of this project ({', '.join(NAMES)}); repeatable, later wins.",
 )
 
 
 def run_options(command: Command) -> Command:
-    """Give a command the options of how to run and what to leave on disk."""
+    """Give a command the options of a run that are fields of :class:`cosim.engine.run_options.RunOptions`."""
     return reduce(lambda decorated, option: option(decorated), reversed(_RUN_OPTIONS), command)
 
 
 def assignments(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
-    """Read words of the form ``NAME=VALUE``.
+    """Read arguments of the form ``NAME=VALUE``.
 
     Parameters
     ----------
     option
-        Whose words, for the message.
+        The option, for the message.
     texts
-        The words.
+        Its arguments.
     form
-        What they should look like, for the message.
+        Their form, for the message.
+
+    Returns
+    -------
+    dict
+        Name to value.
 
     Raises
     ------
     SetupError
         If one has no equals sign, or nothing before it or after it.
+
+    Examples
+    --------
+    >>> assignments("--set", ["seat.driver_mass=70"], "COMPONENT.VARIABLE=VALUE")
+    {'seat.driver_mass': '70'}
     """
     found: dict[str, str] = {}
     for text in texts:
@@ -83,27 +93,36 @@ def assignments(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
     return found
 
 
-def settings_of(texts: Iterable[str]) -> dict[str, str]:
-    """Read the words of ``--set``."""
+def settings(texts: Iterable[str]) -> dict[str, str]:
+    """Read arguments of ``--set``; returns ``component.variable`` to value."""
     return assignments("--set", texts, "COMPONENT.VARIABLE=VALUE")
 
 
-def parameter_sets(words: Iterable[str], system: Structure) -> dict[str, Value]:
-    """Read the words of ``--parameters``: files, or names of sets that come along.
+def replacements(texts: Iterable[str]) -> dict[str, str]:
+    """Read arguments of ``--replace``; returns component to file."""
+    return assignments("--replace", texts, "COMPONENT=FILE.fmu")
+
+
+def seconds(option: str, texts: Iterable[str]) -> dict[str, float]:
+    """Read arguments of the form ``COMPONENT=S``.
+
+    Parameters
+    ----------
+    option
+        The option, for the message.
+    texts
+        Its arguments.
+
+    Returns
+    -------
+    dict
+        Component to seconds.
 
     Raises
     ------
     SetupError
-        With all problems of the first file that has any.
+        If one has another form.
     """
-    found: dict[str, Value] = {}
-    for word in words:
-        found |= read_parameters(path(word) if word in NAMES else word, system)
-    return found
-
-
-def seconds(option: str, texts: Iterable[str]) -> dict[str, float]:
-    """Read words of the form ``COMPONENT=S``."""
     found = {}
     for name, value in assignments(option, texts, "COMPONENT=S").items():
         try:
@@ -113,8 +132,31 @@ def seconds(option: str, texts: Iterable[str]) -> dict[str, float]:
     return found
 
 
-def existing(path: Path, what: str) -> Path:
-    """Return a path to a file that is there."""
-    if not is_file(path):
-        raise SetupError(f"{path}: expected {what}, got no such file")
-    return path
+def listed(option: str, text: str, kind: Callable[[str], T], what: str) -> tuple[T, ...]:
+    """Read an argument that lists values with commas between.
+
+    Parameters
+    ----------
+    option
+        The option, for the message.
+    text
+        Its argument.
+    kind
+        Converts one value; raises :class:`ValueError` if that is not possible.
+    what
+        What the values are, for the message.
+
+    Raises
+    ------
+    SetupError
+        If a value cannot be converted.
+
+    Examples
+    --------
+    >>> listed("--masses", "55,100", float, "numbers")
+    (55.0, 100.0)
+    """
+    try:
+        return tuple(kind(word.strip()) for word in text.split(",") if word.strip())
+    except ValueError:
+        raise SetupError(f"{option} {text}: expected {what} with commas between") from None

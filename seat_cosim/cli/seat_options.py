@@ -1,57 +1,159 @@
-"""What commands about the seat suspension have in common: which FMUs, which driver, which gains and observer."""
+"""Options of commands that run the seat suspension: its FMUs, driver, gains, observer and parameters."""
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
 
-from cosim.errors import SetupError
+from cosim.engine.structure import Structure
 from cosim.fmi.values import Value
+from cosim.system import System
 from fmus import FLAVOURS
-from seat_cosim.scenarios import observer
+from seat_cosim import scenarios
+from seat_cosim.cli.options import parameters_option, set_option, settings
 
-fmus_option = click.option(
-    "--fmus",
-    "fmus_folder",
-    type=click.Path(path_type=Path),
-    default=Path("fmus"),
-    show_default=True,
-    help="Folder of the built FMUs; each flavour has its subfolder.",
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+OPTIONS: dict[str, Callable[[Any], Any]] = {
+    "driver_mass": click.option(
+        "--driver-mass",
+        type=float,
+        metavar="KG",
+        help="The driver's mass, for seat and controller alike [default: 55].",
+    ),
+    "gains": click.option(
+        "--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json."
+    ),
+    "observer": click.option(
+        "--observer", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1]."
+    ),
+    "control": click.option(
+        "--control",
+        type=click.Choice(["on", "off", "passive"]),
+        help="Controller on or off; passive: off, in the well-tuned passive seat [default: on].",
+    ),
+    "parameter_files": parameters_option,
+    "settings": set_option,
+}
+"""Field of :class:`SeatOptions` to the option that fills it."""
+
+_FMU_OPTIONS = (
+    click.option(
+        "--flavour", type=click.Choice(FLAVOURS), default=FLAVOURS[0], show_default=True, help="Which FMUs to use."
+    ),
+    click.option(
+        "--fmus",
+        "fmus_folder",
+        type=click.Path(path_type=Path),
+        default=Path("fmus"),
+        show_default=True,
+        help="Folder of the built FMUs; each flavour has its subfolder.",
+    ),
 )
-flavour_option = click.option(
-    "--flavour", type=click.Choice(FLAVOURS), default=FLAVOURS[0], show_default=True, help="Which FMUs to use."
-)
-mass_option = click.option(
-    "--driver-mass", type=float, metavar="KG", help="The driver's mass, for seat and controller alike [default: 55]."
-)
-gains_option = click.option(
-    "--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json."
-)
-observer_option = click.option(
-    "--observer", "number", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1]."
-)
-control_option = click.option(
-    "--control",
-    "switch",
-    type=click.Choice(["on", "off", "passive"]),
-    help="Controller on or off; passive: off, in the well-tuned passive seat [default: on].",
-)
 
 
-def observer_of(number: int) -> dict[str, Value]:
-    """Read the word of ``--observer``."""
-    from seat_controller_fmu.parameters import OBSERVERS
+@dataclass(frozen=True)
+class SeatOptions:
+    """What a command line says about the seat suspension; None or empty where it says nothing.
 
-    return observer(OBSERVERS[number].value)
+    Attributes
+    ----------
+    flavour, fmus_folder
+        Flavour of the FMUs, and the folder that has a subfolder for it.
+    parameter_files
+        Parameter sets, by name or file.
+    gains
+        Preset or file.
+    observer
+        Number of the paper's observer.
+    control
+        ``on``, ``off`` or ``passive``.
+    driver_mass
+        In kg.
+    settings
+        Single parameters, as ``component.variable=value``.
+    """
+
+    flavour: str
+    fmus_folder: Path
+    parameter_files: tuple[str, ...] = ()
+    gains: str | None = None
+    observer: str | None = None
+    control: str | None = None
+    driver_mass: float | None = None
+    settings: tuple[str, ...] = ()
+
+    def system(self) -> System:
+        """Return the seat suspension of the chosen FMUs, with its default parameters."""
+        return scenarios.seat_suspension(self.fmus_folder / self.flavour)
+
+    def parameters(self, system: Structure) -> dict[str, Value]:
+        """Return the parameters that the options set.
+
+        Later ones win: parameter sets, gains, observer, control, driver's mass, single parameters.
+
+        Parameters
+        ----------
+        system
+            System whose parameters they are.
+
+        Returns
+        -------
+        dict
+            ``component.variable`` to value.
+
+        Raises
+        ------
+        SetupError
+            If a set, gains or a setting cannot be read.
+        """
+        found = scenarios.read_parameter_sets(self.parameter_files, system)
+        if self.gains:
+            found |= scenarios.gains(self.gains)
+        if self.observer:
+            found |= scenarios.paper_observer(int(self.observer))
+        if self.control:
+            found |= scenarios.control(self.control == "on")
+        if self.control == "passive":
+            found |= scenarios.read_parameter_sets(["passive"], system)
+        if self.driver_mass is not None:
+            found |= scenarios.driver_mass(self.driver_mass)
+        found |= settings(self.settings)
+        return found
+
+    @property
+    def choices(self) -> list[str]:
+        """Names of what was chosen, for a title."""
+        named = {"gains": self.gains, "Observer": self.observer, "control": self.control}
+        found = [f"{name} {choice}" for name, choice in named.items() if choice]
+        return found + [Path(file).stem for file in self.parameter_files]
 
 
-def gains_of(name_or_file: str) -> dict[str, Value]:
-    """Read the word of ``--gains``."""
-    from seat_controller_fmu.design.gains import load
-    from seat_controller_fmu.design.setting import GainsError
+def seat_options(*names: str) -> Callable[[Command], Command]:
+    """Return a decorator that gives a command options about the seat suspension.
 
-    try:
-        return {f"controller.{name}": value for name, value in load(name_or_file).parameters().items()}
-    except GainsError as error:
-        raise SetupError(str(error)) from error
+    The command gets them as one argument ``seat``, a :class:`SeatOptions`.
+
+    Parameters
+    ----------
+    names
+        Keys of :data:`OPTIONS`; ``--flavour`` and ``--fmus`` are added in any case.
+    """
+
+    def decorate(command: Command) -> Command:
+        @functools.wraps(command)
+        def with_seat(**arguments: Any) -> Any:
+            given = {field.name: arguments.pop(field.name) for field in fields(SeatOptions) if field.name in arguments}
+            return command(seat=SeatOptions(**given), **arguments)
+
+        decorated: Any = with_seat
+        for option in reversed([*(OPTIONS[name] for name in names), *_FMU_OPTIONS]):
+            decorated = option(decorated)
+        return decorated  # type: ignore[no-any-return]
+
+    return decorate

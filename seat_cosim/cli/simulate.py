@@ -1,8 +1,7 @@
-"""``seat-cosim simulate``: any system, with other FMUs in the places of its components."""
+"""``seat-cosim simulate``: any system of FMUs, with changes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -14,24 +13,24 @@ from cosim.engine.editing import edit
 from cosim.engine.run_options import RunOptions
 from cosim.engine.step_order import delay
 from cosim.engine.structure import ALGORITHMS, Algorithm
-from cosim.results.result import Result
 from cosim.run_folder import run_to_folder
 from cosim.system import System
-from seat_cosim.cli.console import command_line, conclude, console, progress_shown
+from seat_cosim.cli.console import command_line, console, print_outcome, progress_shown
 from seat_cosim.cli.options import (
-    assignments,
-    parameter_sets,
     parameters_option,
+    replace_option,
+    replacements,
     run_options,
     seconds,
     set_option,
-    settings_of,
 )
+from seat_cosim.cli.options import settings as read_settings
+from seat_cosim.scenarios import read_parameter_sets
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp")
-@click.option("--replace", multiple=True, metavar="COMPONENT=FILE.fmu", help="Put another FMU in a component's place.")
+@replace_option
 @click.option(
     "--connect",
     multiple=True,
@@ -77,10 +76,11 @@ def simulate(
       seat-cosim simulate fmus/SeatSuspension.ssp --replace shaker=Cabin.fmu \\
           --connect "0.001*shaker.z=seat.floor_displacement" --isolate shaker
     """
+    from seat_cosim.overview import draw_system
+
     system = System.load(file)
-    replacements = assignments("--replace", replace, "COMPONENT=FILE.fmu")
-    edit(system, replacements, disconnect, connect)
-    system.parameters |= parameter_sets(parameter_files, system) | settings_of(settings)
+    edit(system, replacements(replace), disconnect, connect)
+    system.parameters |= read_parameter_sets(parameter_files, system) | read_settings(settings)
     system.stop_time = system.stop_time if stop_time is None else stop_time
     system.step_size = system.step_size if step_size is None else step_size
     system.component_steps |= seconds("--component-step", component_step)
@@ -93,48 +93,34 @@ def simulate(
     _print_exchange(system)
     folder = output or Path("results", "simulate", file.stem)
     with progress_shown(f"running {file.name}") as report:
-        result = run_to_folder(
-            system,
-            folder,
-            RunOptions(
-                record=record or None, progress=lambda time: report(f"{time:.1f} of {system.stop_time:g} s"), **how
-            ),
-            command=command_line(),
+        options = RunOptions(
+            record=record or None, progress=lambda time: report(f"{time:.1f} of {system.stop_time:g} s"), **how
         )
-    conclude(result)
-    _draw(system, result, folder / "overview.png", record)
+        result = run_to_folder(system, folder, options, command=command_line())
+    print_outcome(result)
+    draw_system(folder / "overview.png", system, result, record)
     if how["real_time"]:
         console.print(f"{result.missed_deadlines} deadlines missed, the worst by {result.worst_lateness * 1e3:.1f} ms")
     console.print(f"{len(result.time)} rows and figure in {folder}", soft_wrap=True)
 
 
 def _print_exchange(system: System) -> None:
-    """Print the connections, when their values are made, and the order in which components step."""
-    order, together = system.order, system.algorithm == "jacobi"
+    """Print the connections with the delay of their values, and the order in which components step."""
+    order, jacobi = system.order, system.algorithm == "jacobi"
     table = Table("from", "to", "transformation", "samples late", box=SIMPLE)
     ahead = []
     for sink, edge in system.edges().items():
-        feed = system.connections[sink]
-        late = delay(edge, order, together)
-        factor, offset = feed.transformation
-        text = "" if feed.transformation == (1.0, 0.0) else f"{factor:g} x{f' {offset:+g}' if offset else ''}"
-        table.add_row(str(feed.source), str(sink), text, f"{late:d}")
-        ahead += [f"{feed.source} -> {sink}"] if late < 0 else []
+        connection = system.connections[sink]
+        late = delay(edge, order, jacobi)
+        factor, offset = connection.transformation
+        text = "" if connection.transformation == (1.0, 0.0) else f"{factor:g} x{f' {offset:+g}' if offset else ''}"
+        table.add_row(str(connection.source), str(sink), text, f"{late:d}")
+        ahead += [f"{connection.source} -> {sink}"] if late < 0 else []
     console.print(table)
-    if together:
+    if jacobi:
         console.print("all components exchange their values at once, then step (jacobi)")
     else:
         origin = "" if system.order_is_given else ", proposed from what is sampled and what is continuous"
         console.print(f"components step in the order {', '.join(order)}{origin}", soft_wrap=True)
-    for connection in ahead:
-        console.print(f"note: {connection} hands over the value of the step's end: one sample ahead", soft_wrap=True)
-
-
-def _draw(system: System, result: Result, path: Path, record: Iterable[str]) -> None:
-    """Draw what passes through the connections, and what was asked for."""
-    from seat_cosim.plotting import by_unit, draw
-
-    sources = dict.fromkeys(str(feed.source) for feed in system.connections.values())
-    shown = {name: result[name] for name in (record or sources) if name in result.values}
-    if shown:
-        draw(path, system.name, by_unit(result.time, shown, result.units))
+    for text in ahead:
+        console.print(f"note: {text} hands over the value of the step's end: one sample ahead", soft_wrap=True)

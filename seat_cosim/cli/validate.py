@@ -1,4 +1,4 @@
-"""The command ``seat-cosim validate``: the conformance suite on any FMU."""
+"""``seat-cosim validate``: the conformance suite on any FMU."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cosim.errors import SetupError
 from seat_cosim.cli.console import console, progress_shown
 
 if TYPE_CHECKING:  # the suite is loaded by this command alone
-    from cosim.conformance.suite import Examination
+    from cosim.conformance.suite import ValidationReport
 
 
 @click.command("validate")
@@ -47,9 +47,9 @@ def validate_command(
 ) -> None:
     """Check FMUs for co-simulation (FMI 2.0 and 3.0) against the standard: archive, description, behaviour.
 
-    Each rule that runs the FMU does so in a process of its own: a crash or a hang is a finding. What the standard
-    demands is an error, what is merely wise a warning. Exit code 0: no errors; 1: errors (with --strict also warnings);
-    2: wrong use or no such file.
+    Each rule that runs the FMU does so in a process of its own: a crash or a hang is a finding. A violation of the
+    standard is an error, a deviation from good practice a warning. Exit code 0: no errors; 1: errors (with --strict
+    also warnings); 2: wrong use or no such file.
 
     \b
     Examples:
@@ -60,18 +60,18 @@ def validate_command(
       seat-cosim validate --list
     """
     from cosim.conformance import report
-    from cosim.conformance.process import Processes
+    from cosim.conformance.process import RuleRunner
     from cosim.conformance.suite import validate
 
     if listing:
-        console.print(_listing())
+        console.print(_rules())
         return
     if not files:
         raise click.UsageError("Missing argument 'FILE.fmu...'.")
     if missing := [path for path in files if not path.is_file()]:
         raise SetupError(*(f"{path}: expected an FMU, got no such file" for path in missing))
     found = []
-    with Processes() as processes, progress_shown("validating") as tell:
+    with RuleRunner() as runner, progress_shown("validating") as report_progress:
         for path in files:
             found.append(
                 validate(
@@ -79,19 +79,19 @@ def validate_command(
                     only=only,
                     skip=skip,
                     time_limit=time_limit,
-                    processes=processes,
-                    progress=lambda name, path=path: tell(f"{path.name} {name}"),  # type: ignore[misc]
+                    runner=runner,
+                    progress=lambda name, path=path: report_progress(f"{path.name} {name}"),  # type: ignore[misc]
                 )
             )
             if target != "-":
                 console.print(report.table(found[-1], full))
-    _conclude(found, target)
+    _print_summary(found, target)
     if any(f.severity == "error" or strict for one in found for f in one.findings):
         sys.exit(1)
 
 
-def _conclude(found: list[Examination], target: str | None) -> None:
-    """Write JSON where that is asked for, and print a line for each FMU."""
+def _print_summary(found: list[ValidationReport], target: str | None) -> None:
+    """Write JSON to a file or standard output, where ``target`` is not None, and print a line for each FMU."""
     from cosim.conformance import report
 
     if target is not None:
@@ -107,7 +107,8 @@ def _conclude(found: list[Examination], target: str | None) -> None:
         console.print(report.summary(one), soft_wrap=True, markup=False)
 
 
-def _listing() -> Table:
+def _rules() -> Table:
+    """Make a table of all rules."""
     from cosim.conformance.suite import load_rules
 
     table = Table("rule", "severity", "runs the FMU", "what holds", box=SIMPLE)

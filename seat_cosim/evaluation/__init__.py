@@ -1,1 +1,1 @@
-"""Evaluation of a seat over classes of excitation and drivers."""
+"""Evaluation of seats over classes of excitation and drivers, by ISO 7096 and ISO 2631-1."""

@@ -1,4 +1,4 @@
-"""What is left of an evaluation: a page that opens anywhere, a table, a figure, and the system itself."""
+"""Evaluation report: an HTML page that needs no other file, a table, a figure, and the evaluated system."""
 
 from __future__ import annotations
 
@@ -12,37 +12,14 @@ import numpy as np
 from cosim.engine.run_options import RunOptions
 from cosim.errors import writing_to
 from cosim.manifest import Manifest, sha256
-from seat_cosim.evaluation.evaluation import COLUMNS, SEAT_LIMITS, SPREAD, Cell, Column, Evaluation, Protocol
+from seat_cosim.evaluation.protocol import Protocol, seat_limit
+from seat_cosim.evaluation.results import METRICS, Evaluation
+from seat_cosim.evaluation.verdict import exceeds_limit, verdict
 from seat_cosim.heat_map import HeatMap, draw_heat_maps
 from seat_cosim.html_page import embedded, render
 
 PAGE, TABLE, SYSTEM, FIGURE = "evaluation.html", "evaluation.csv", "system.ssp", "seat"
 """Names of the files; the figure's without suffix."""
-
-
-def limit(kind: str) -> float | None:
-    """Return the largest SEAT that ISO 7096 allows in a class, as recalled; None for a class of another name."""
-    return SEAT_LIMITS.get(kind)
-
-
-def too_high(kind: str, cell: Cell) -> bool:
-    """Whether a SEAT is above its limit."""
-    bound = limit(kind)
-    return bound is not None and cell.seat > bound
-
-
-def verdict(evaluation: Evaluation) -> str:
-    """Say in one line how many rides stay within the limits, and how many runs do not repeat."""
-    cells = evaluation.cells
-    within = sum(not too_high(kind, cell) for (kind, _), cell in cells.items() if limit(kind) is not None)
-    judged = sum(limit(kind) is not None for kind, _ in cells)
-    text = f"SEAT within the limit in {within} of {judged} combinations of class and driver"
-    loose = [f"{kind} {mass:g} kg" for (kind, mass), cell in cells.items() if not cell.repeats]
-    if not loose:
-        return f"{text}; all runs within {SPREAD:.0%} of their mean"
-    few = min(len(cell.runs) for cell in cells.values()) < 3
-    why = "fewer than the three runs of ISO 10326-1" if few else f"runs more than {SPREAD:.0%} from their mean"
-    return f"{text}; {why} in {', '.join(loose) if len(loose) <= 6 else f'{len(loose)} of {len(cells)}'}"
 
 
 def write(
@@ -52,20 +29,20 @@ def write(
     command: Sequence[str],
     notes: Sequence[str],
 ) -> list[Path]:
-    """Write all there is to keep; the same evaluation gives the same bytes on the same machine.
+    """Write report, table, figure and system; the same evaluation gives the same bytes on the same machine.
 
     Parameters
     ----------
     folder
-        Where to; made if need be.
+        Folder of the files; it is made if it does not exist.
     evaluations
-        First what it is about, then what it is compared with.
+        The evaluation that the report is about, then those that it is compared with.
     protocol
-        How it was made.
+        Protocol of all of them.
     command
-        What was typed.
+        Words of the command line.
     notes
-        What a reader has to know, a sentence each.
+        Sentences that a reader must know.
 
     Returns
     -------
@@ -77,60 +54,68 @@ def write(
     SetupError
         If the folder cannot be written to.
     """
-    about = evaluations[0].subject
+    evaluated = evaluations[0].evaluated
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        about.system.save(folder / SYSTEM)
+        evaluated.system.save(folder / SYSTEM)
         write_table(folder / TABLE, evaluations)
         figures = [folder / f"{FIGURE}{suffix}" for suffix in (".svg", ".png")]
         draw_heat_maps(figures, [heat_map(each, protocol) for each in evaluations])
-        manifest = Manifest.of(
-            about.system,
-            RunOptions(protocol.settle + protocol.duration, record=about.ports.signals),
-            command,
-        )
-        words = {
+        options = RunOptions(protocol.stop_time, record=evaluated.signals.outputs)
+        manifest = Manifest.of(evaluated.system, options, command)
+        facts = {
             "How it was made": _conditions(evaluations[0], protocol, manifest),
             "What was evaluated": _identity(manifest, sha256(folder / SYSTEM)),
         }
-        (folder / PAGE).write_text(_page(evaluations, words, figures[0], notes), encoding="utf-8")
+        (folder / PAGE).write_text(_page(evaluations, facts, figures[0], notes), encoding="utf-8")
     return [folder / PAGE, folder / TABLE, *figures, folder / SYSTEM]
 
 
 def write_table(path: Path, evaluations: Iterable[Evaluation]) -> None:
-    """Write every number of every subject; empty where there is none. Floats read back exactly."""
+    """Write all results as CSV; floats read back exactly, and a metric that a system does not have is empty.
+
+    Parameters
+    ----------
+    path
+        The file.
+    evaluations
+        One after the other, a row for each class and driver.
+    """
     with path.open("w", newline="", encoding="utf-8") as stream:
         rows = csv.writer(stream)
-        units = [f"{column.key} ({column.unit})" if column.unit != "1" else column.key for column in COLUMNS]
-        rows.writerow(["system", "class", "driver_mass (kg)", "seat_limit", "runs", *units])
+        names = [f"{metric.key} ({metric.unit_shown})" if metric.unit_shown else metric.key for metric in METRICS]
+        rows.writerow(["system", "class", "driver_mass (kg)", "seat_limit", "runs", *names])
         for evaluation in evaluations:
-            for (kind, mass), cell in evaluation.cells.items():
-                numbers = (column.number(cell) for column in COLUMNS)
-                known = [evaluation.subject.title, kind, mass, limit(kind), len(cell.runs)]
+            title = evaluation.evaluated.title
+            for (excitation_class, mass), result in evaluation.results.items():
+                known = [title, excitation_class, mass, seat_limit(excitation_class), len(result.rides)]
+                numbers = (metric.number(result) for metric in METRICS)
                 rows.writerow(["" if value is None else value for value in (*known, *numbers)])
 
 
 def heat_map(evaluation: Evaluation, protocol: Protocol) -> HeatMap:
-    """Arrange the SEAT of all rides, drivers below each other."""
-    cells = [[(kind, evaluation.cells[kind, mass]) for kind in protocol.classes] for mass in protocol.masses]
+    """Return the SEAT of all drivers (rows) on all classes (columns) as a heat map.
+
+    Parameters
+    ----------
+    evaluation
+        Of one system.
+    protocol
+        Its protocol.
+    """
+    rows = [[(name, evaluation.results[name, mass]) for name in protocol.classes] for mass in protocol.masses]
     return HeatMap(
-        f"SEAT, {evaluation.subject.title} (framed: above the limit)",
+        f"SEAT, {evaluation.evaluated.title} (framed: above the limit)",
         [f"{mass:g} kg" for mass in protocol.masses],
         protocol.classes,
-        np.array([[cell.seat for _, cell in row] for row in cells]),
-        np.array([[too_high(kind, cell) for kind, cell in row] for row in cells]),
+        np.array([[result.seat for _, result in row] for row in rows]),
+        np.array([[exceeds_limit(name, result) for name, result in row] for row in rows]),
     )
-
-
-def shown(column: Column, cell: Cell) -> str:
-    """Write a number as the tables do."""
-    number = column.number(cell)
-    return "–" if number is None else f"{number:.{column.digits}f}"
 
 
 @dataclass(frozen=True)
 class _Table:
-    """Numbers as the page shows them: names and units of columns, rows that are marked where a SEAT is too high."""
+    """Table of the page: name and unit of each column, and rows with a flag for a SEAT above the limit."""
 
     title: str
     warnings: Sequence[str]
@@ -139,50 +124,52 @@ class _Table:
 
 
 def _table(evaluation: Evaluation, first: Evaluation) -> _Table:
-    """Write a row for each ride; what is compared with says how far the first one's a_w is from its own."""
+    """Make the table of an evaluation; one that is compared with shows the change of a_w from it to the first."""
     compared = evaluation is not first
     heads = [("class", ""), ("driver", "kg"), ("limit", "")]
-    heads += [(column.title, "" if column.unit == "1" else column.unit) for column in COLUMNS]
+    heads += [(metric.title, metric.unit_shown) for metric in METRICS]
     heads += [("a_w above", "changed by")] if compared else []
     rows = []
-    for (kind, mass), cell in evaluation.cells.items():
-        bound = limit(kind)
-        row = [kind, f"{mass:g}", "–" if bound is None else f"{bound:.1f}"]
-        row += [shown(column, cell) for column in COLUMNS]
+    for (excitation_class, mass), result in evaluation.results.items():
+        limit = seat_limit(excitation_class)
+        row = [excitation_class, f"{mass:g}", "–" if limit is None else f"{limit:.1f}"]
+        row += [metric.text(result) for metric in METRICS]
         if compared:
-            row.append(f"{first.cells[kind, mass].a_w / cell.a_w - 1.0:+.0%}".replace("-", "−"))
-        rows.append((too_high(kind, cell), row))
-    return _Table(evaluation.subject.title, evaluation.warnings, heads, rows)
+            change = first.results[excitation_class, mass].a_w / result.a_w - 1.0
+            row.append(f"{change:+.0%}".replace("-", "−"))
+        rows.append((exceeds_limit(excitation_class, result), row))
+    return _Table(evaluation.evaluated.title, evaluation.warnings, heads, rows)
 
 
 def _page(
-    evaluations: Sequence[Evaluation], words: Mapping[str, Mapping[str, str]], figure: Path, notes: Sequence[str]
+    evaluations: Sequence[Evaluation], facts: Mapping[str, Mapping[str, str]], figure: Path, notes: Sequence[str]
 ) -> str:
     first = evaluations[0]
     return render(
         "evaluation/report.html.jinja",
-        title=f"Vibration isolation: {first.subject.title}",
+        title=f"Vibration isolation: {first.evaluated.title}",
         verdict=verdict(first),
         notes=notes,
         image=embedded(figure),
         tables=[_table(each, first) for each in evaluations],
-        words=words,
+        facts=facts,
     )
 
 
 def _conditions(evaluation: Evaluation, protocol: Protocol, manifest: Manifest) -> dict[str, str]:
-    ports = evaluation.subject.ports
-    travel = evaluation.subject.travel
+    """List the conditions of an evaluation, by name."""
+    signals = evaluation.evaluated.signals
+    travel = evaluation.evaluated.end_stop_travel
     return {
         "excitation": f"{', '.join(protocol.classes)} (ISO 7096), seeds {', '.join(map(str, protocol.seeds))}",
-        "duration": f"{protocol.duration:g} s each, after {protocol.settle:g} s to settle",
+        "duration": f"{protocol.duration:g} s each, after a warm-up of {protocol.warm_up:g} s",
         "weighting": "Wk of ISO 2631-1, on the floor and where the driver sits",
-        "floor": ports.floor,
-        "driver": ports.seat,
-        "driver's mass": ", ".join(ports.driver_mass),
-        "deflection": ports.deflection or "none",
+        "floor": signals.floor_acceleration,
+        "driver": signals.seat_acceleration,
+        "driver's mass": ", ".join(signals.driver_mass),
+        "deflection": signals.suspension_deflection or "none",
         "end stops": "none" if travel is None else f"at {1e3 * travel:g} mm",
-        "force": ports.force or "none",
+        "force": signals.actuator_force or "none",
         "step": f"{1e3 * manifest.step_size:g} ms, {manifest.algorithm}, in the order {', '.join(manifest.order)}",
         "command": " ".join(manifest.command),
         "versions": ", ".join(f"{name} {version}" for name, version in manifest.versions.items()),
@@ -190,6 +177,7 @@ def _conditions(evaluation: Evaluation, protocol: Protocol, manifest: Manifest) 
 
 
 def _identity(manifest: Manifest, digest: str) -> dict[str, str]:
+    """List what identifies the system: hashes of its file and its FMUs, and its parameters."""
     rows = {f"{SYSTEM}, sha256": digest}
     for name, component in manifest.components.items():
         rows[name] = f"{component.model}, FMI {component.fmi}, GUID {component.guid}, sha256 {component.sha256}"

@@ -1,4 +1,4 @@
-"""What is evaluated: a system, and which of its variables are meant."""
+"""Evaluated systems: a system, and the names of the variables that an evaluation reads and sets."""
 
 from __future__ import annotations
 
@@ -22,92 +22,108 @@ _METRE, _ACCELERATION, _NEWTON = (
 
 @dataclass(frozen=True)
 class SignalMap:
-    """Which variables of a system are meant, each as ``component.variable``.
+    """Names of the variables that an evaluation needs, as ``component.variable``.
 
     Attributes
     ----------
-    floor, seat
-        Outputs: acceleration of the floor, and where the driver sits.
+    floor_acceleration, seat_acceleration
+        Outputs: acceleration of the floor, and of the place where the driver sits.
     driver_mass
         Parameters that take the driver's mass, in kg.
     excitation
-        What makes the floor move at random.
+        Parameters, with their values, under which the floor moves at random.
     excitation_class, seed
-        Parameters that take the class and the seed.
-    deflection, force
-        Outputs: deflection of the suspension, force of the actuator; None for a system without.
-    travel
-        Parameter with the deflection in m, each way, at which the end stops are met, 0 for none; None without.
+        Parameters that take the class and the seed of the excitation.
+    suspension_deflection, actuator_force
+        Outputs; None for a system without.
+    end_stop_travel
+        Parameter that holds the deflection, in m to each side, at which the end stops are met (0: no end stops); None
+        for a system without.
     """
 
-    floor: str
-    seat: str
+    floor_acceleration: str
+    seat_acceleration: str
     driver_mass: tuple[str, ...]
     excitation: Mapping[str, Value]
     excitation_class: str
     seed: str
-    deflection: str | None = None
-    force: str | None = None
-    travel: str | None = None
+    suspension_deflection: str | None = None
+    actuator_force: str | None = None
+    end_stop_travel: str | None = None
 
     @property
-    def signals(self) -> dict[str, Unit]:
-        """Outputs to record, with the units their samples are wanted in."""
+    def outputs(self) -> dict[str, Unit]:
+        """Outputs to record, and the SI units of the samples that an evaluation takes."""
         wanted = {
-            self.floor: _ACCELERATION,
-            self.seat: _ACCELERATION,
-            self.deflection: _METRE,
-            self.force: _NEWTON,
+            self.floor_acceleration: _ACCELERATION,
+            self.seat_acceleration: _ACCELERATION,
+            self.suspension_deflection: _METRE,
+            self.actuator_force: _NEWTON,
         }
         return {name: unit for name, unit in wanted.items() if name is not None}
 
-    def parameters(self, kind: str, mass: float, seed: int) -> dict[str, Value]:
-        """Say what makes one ride: the excitation's class, the driver's mass in kg, the seed."""
+    def parameters(self, excitation_class: str, mass: float, seed: int) -> dict[str, Value]:
+        """Return the parameters of one ride.
+
+        Parameters
+        ----------
+        excitation_class
+            Name of the class.
+        mass
+            The driver's mass, in kg.
+        seed
+            Seed of the excitation.
+
+        Returns
+        -------
+        dict
+            ``component.variable`` to value.
+        """
         return {
             **self.excitation,
-            self.excitation_class: kind,
+            self.excitation_class: excitation_class,
             self.seed: seed,
             **dict.fromkeys(self.driver_mass, mass),
         }
 
-    def found_in(self, system: System, given: Mapping[str, Any]) -> SignalMap:
-        """Take these names for a system, others where they are given.
+    def for_system(self, system: System, given: Mapping[str, Any]) -> SignalMap:
+        """Return this map with other names, and without optional ones that a system does not have.
 
         Parameters
         ----------
         system
-            Whose variables are meant.
+            The system that has the variables.
         given
-            Fields of this class to their values; these have to fit. Of the others, masses, deflection, force and
-            travel are left out where the system has none of the name.
+            Field of this class to its value; the system must have these variables. Of the other fields, masses,
+            deflection, force and travel are left out where the system has no variable of the name.
 
         Raises
         ------
         SetupError
-            With all names that do not fit.
+            With all names that do not fit the system.
         """
 
-        def there(name: str | None) -> str | None:
-            return name if name and _exists(system, name) else None
+        def if_known(name: str | None) -> str | None:
+            return name if name and system.has(name) else None
 
-        ports = replace(
+        signals = replace(
             self,
-            deflection=there(self.deflection),
-            force=there(self.force),
-            travel=there(self.travel),
-            driver_mass=tuple(name for name in self.driver_mass if _exists(system, name)),
+            suspension_deflection=if_known(self.suspension_deflection),
+            actuator_force=if_known(self.actuator_force),
+            end_stop_travel=if_known(self.end_stop_travel),
+            driver_mass=tuple(name for name in self.driver_mass if system.has(name)),
         )
-        ports = replace(ports, **given)
-        problems = ports._problems(system)
+        signals = replace(signals, **given)
+        problems = signals._problems(system)
         if problems:
             raise SetupError(*problems)
-        return ports
+        return signals
 
     def _problems(self, system: System) -> list[str]:
-        """Find what does not fit a system."""
+        """Find the names that do not fit a system."""
         outputs = system.outputs()
         problems = []
-        for name, unit in self.signals.items():
+        for name, unit in self.outputs.items():
             if name not in outputs:
                 problems.append(
                     f"signal {name}: expected an output of {system.name}, got none{did_you_mean(name, outputs)}"
@@ -116,17 +132,13 @@ class SignalMap:
                 problems.append(f"signal {name}: expected a unit like {unit.name}, got {system.unit(name)}")
         if not self.driver_mass:
             problems.append(f"driver mass: expected a parameter of {system.name} that takes it, got none")
-        parameters = (*self.driver_mass, *self.excitation, self.excitation_class, self.seed, self.travel)
+        parameters = (*self.driver_mass, *self.excitation, self.excitation_class, self.seed, self.end_stop_travel)
         for name in filter(None, parameters):
             try:
                 system.variable(system.parse(name))
             except SetupError as error:
                 problems += error.problems
         return list(dict.fromkeys(problems))
-
-
-def _exists(system: System, name: str) -> bool:
-    return system.has(name)
 
 
 def _unit(system: System, name: str) -> Unit | None:
@@ -136,32 +148,41 @@ def _unit(system: System, name: str) -> Unit | None:
 
 @dataclass(frozen=True)
 class EvaluatedSystem:
-    """What is evaluated.
+    """A system to evaluate.
 
     Attributes
     ----------
     title
-        A name for tables.
+        Name in tables and figures.
     system
-        With all parameters it is evaluated with.
-    ports
-        Which of its variables are meant.
+        The system, with all parameters that stay the same in every ride.
+    signals
+        Names of the variables that the evaluation reads and sets.
     """
 
     title: str
     system: System
-    ports: SignalMap
+    signals: SignalMap
 
     @property
-    def travel(self) -> float | None:
-        """Deflection in m, each way, at which the end stops are met; None where there are none."""
-        if self.ports.travel is None:
+    def end_stop_travel(self) -> float | None:
+        """Deflection in m, to each side, at which the end stops are met; None where there are none."""
+        name = self.signals.end_stop_travel
+        if name is None:
             return None
-        component, variable = self.system.parse(self.ports.travel)
-        given = self.system.check_parameters({})[component].get(variable, self.system.start(self.ports.travel))
-        return float(given) or None  # type: ignore[arg-type]  # a number, as its description says
+        component, variable = self.system.parse(name)
+        given = self.system.check_parameters({})[component].get(variable, self.system.start(name))
+        return float(given) or None  # type: ignore[arg-type]  # the parameter is a number
 
-    def converted(self, name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-        """Convert samples of a signal to SI units; they are taken as they are where theirs is not defined."""
-        transformation = conversion(_unit(self.system, name), self.ports.signals[name]) or IDENTITY
+    def in_si_units(self, name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+        """Convert samples of an output to SI units.
+
+        Parameters
+        ----------
+        name
+            One of the signal map's outputs.
+        values
+            Samples in the FMU's unit; returned as they are where the FMU does not define it.
+        """
+        transformation = conversion(_unit(self.system, name), self.signals.outputs[name]) or IDENTITY
         return values if transformation == IDENTITY else transformation.factor * values + transformation.offset

@@ -1,5 +1,5 @@
-"""The paper's evaluation, figure by figure: what it says, and what the FMUs give under the same conditions.
+"""Reproduction of the paper: its figures and tables, from FMUs under the paper's conditions.
 
-``contents`` lists the paper's figures and tables; each module of experiments makes the findings for some of them, of
-FMUs that run in a :class:`~seat_cosim.paper.runner.Lab`; ``experiments`` knows them all.
+``contents`` lists the figures and tables. Each module of experiments makes the findings of some of them, with an
+:class:`~seat_cosim.paper.runner.ExperimentRunner`; ``experiments`` lists the experiments, ``report`` writes the page.
 """

@@ -1,4 +1,4 @@
-"""What the same seat can do beyond the paper: the simulated bump with anti-windup and with the recommended gains."""
+"""Beyond the paper: the simulated bump with anti-windup and with the recommended gains."""
 
 from __future__ import annotations
 
@@ -9,26 +9,32 @@ from cosim.metrics import peak
 from cosim.results.result import Result
 from seat_cosim.paper.bump_test import Case
 from seat_cosim.paper.finding import Finding, Kind, Row
-from seat_cosim.paper.runner import DRIVER, HEAVY, LIGHT, Lab
+from seat_cosim.paper.runner import DRIVER, HEAVY, LIGHT, ExperimentRunner
 from seat_cosim.plotting import Curve, Panel
 from seat_cosim.scenarios import SCENARIOS, observer
 
 _ANTI_WINDUP: Mapping[str, Value] = {"controller.anti_windup": True}
 _REMARKS = {
     "published": "Fig. 5.",
-    "anti-windup": "The observer hears of the saturated force, so its estimate no longer winds up while the force is "
-    "at its limit.",
+    "anti-windup": "The observer gets the saturated force, so its estimate no longer winds up while the force is at "
+    "its limit.",
     "recommended": "One set for all drivers from 45 to 120 kg, certified for delays of 38 ms where the published one, "
     "for 45 to 80 kg, has 24 ms.",
 }
 
 
-def beyond_the_paper(lab: Lab) -> Iterator[Finding]:
-    """Meet the bump of Fig. 5 with what the paper does not have."""
-    scenario, cases = SCENARIOS["bump"], _cases(lab)
+def beyond_the_paper(runner: ExperimentRunner) -> Iterator[Finding]:
+    """Run the bump of Fig. 5 with anti-windup and with the recommended gains, which the paper does not have.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+    """
+    scenario, cases = SCENARIOS["bump"], _cases(runner)
     results = {
         mass: {
-            name: lab.run(scenario.stop_time, scenario.parameters, case.parameters, mass=mass)
+            name: runner.run(scenario.stop_time, scenario.parameters, case.parameters, mass=mass)
             for name, case in cases.items()
         }
         for mass in (LIGHT, HEAVY)
@@ -41,13 +47,13 @@ def beyond_the_paper(lab: Lab) -> Iterator[Finding]:
     )
 
 
-def _cases(lab: Lab) -> dict[str, Case]:
-    published = observer(lab.gammas[1])
+def _cases(runner: ExperimentRunner) -> dict[str, Case]:
+    published = observer(runner.gammas[1])
     return {
         "published": Case("Observer 1", published, {"color": "C0"}),
         "anti-windup": Case("with anti-windup", {**published, **_ANTI_WINDUP}, {"color": "C2"}),
         "recommended": Case(
-            "recommended gains, anti-windup", {**lab.recommended, **_ANTI_WINDUP}, {"color": "C1", "linestyle": "--"}
+            "recommended gains, anti-windup", {**runner.recommended, **_ANTI_WINDUP}, {"color": "C1", "linestyle": "--"}
         ),
     }
 

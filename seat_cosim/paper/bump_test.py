@@ -1,8 +1,4 @@
-"""The paper's bump test: its three cases, the table beside the paper's numbers, its Fig. 5-7.
-
-With :mod:`seat_cosim.scenarios` and :mod:`seat_cosim.paper` all that knows signal names of the components in this
-package.
-"""
+"""The paper's bump test: its three cases, the table beside the paper's numbers, its Fig. 5-7."""
 
 from __future__ import annotations
 
@@ -14,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from cosim.engine.run_options import RunOptions
+from cosim.errors import writing_to
 from cosim.fmi.values import Value
 from cosim.metrics import peak, rms
-from cosim.results.result import Result
+from cosim.results.result import Result, prepare_folder
 from cosim.run_folder import run_to_folder
 from cosim.system import System
 from seat_cosim.plotting import Curve, Panel, draw
@@ -25,16 +22,16 @@ from seat_cosim.scenarios import SCENARIOS, control, driver_mass, observer
 
 @dataclass(frozen=True)
 class Case:
-    """One of the cases the paper compares.
+    """One of the cases that the paper compares.
 
     Attributes
     ----------
     title
-        As in the paper's legends.
+        Name in the paper's legends.
     parameters
-        What makes it.
+        ``component.variable`` to value.
     style
-        Line style in the figures.
+        Line style in figures, as matplotlib takes it.
     """
 
     title: str
@@ -43,12 +40,12 @@ class Case:
 
 
 def cases(gammas: Mapping[int, float]) -> dict[str, Case]:
-    """Name the three cases of the paper's section 3.2.
+    """Return the three cases of the paper's section 3.2, by name.
 
     Parameters
     ----------
     gammas
-        Gamma of Observers 1 and 2, in s/kg2.
+        Number of an observer to its Gamma, in s/kg2.
     """
     found = {"uncontrolled": Case("Uncontrolled", control(False), {"color": "0.45", "linestyle": "--"})}
     for number, color in ((1, "C0"), (2, "C3")):
@@ -61,10 +58,12 @@ def run(
     cases: Mapping[str, Case],
     mass: float,
     folder: Path,
-    report: Callable[[str, float], None],
+    progress: Callable[[str, float], None],
     command: Sequence[str] = (),
 ) -> Iterator[tuple[str, Result]]:
     """Run all cases with the FMUs loaded once, each into a folder of its own.
+
+    Results of earlier runs in these folders are removed first.
 
     Parameters
     ----------
@@ -73,20 +72,31 @@ def run(
     cases
         From :func:`cases`.
     mass
-        The driver's, in kg.
+        The driver's mass, in kg.
     folder
-        Where the folders of the cases lie.
-    report
+        Folder of the cases' folders.
+    progress
         Called with a case's name and the share of its run that is done.
     command
-        What the user typed.
+        Words of the command line.
 
     Yields
     ------
     tuple of str and Result
         A case's name and result.
+
+    Raises
+    ------
+    SetupError
+        If the mass is out of range, or a folder cannot be written to.
+    RunError
+        If an FMU failed during loading or initialization.
     """
     bump = SCENARIOS["bump"]
+    system.validate(bump.stop_time, parameters=driver_mass(mass))
+    for name in cases:
+        with writing_to(folder.parent):
+            prepare_folder(folder / name)
     with system.open() as session:
         for name, case in cases.items():
             parameters = {**bump.parameters, **case.parameters, **driver_mass(mass)}
@@ -96,7 +106,7 @@ def run(
                 RunOptions(
                     bump.stop_time,
                     parameters=parameters,
-                    progress=lambda time, name=name: report(name, time / bump.stop_time),  # type: ignore[misc]
+                    progress=lambda time, name=name: progress(name, time / bump.stop_time),  # type: ignore[misc]
                 ),
                 command=command,
                 session=session,
@@ -105,14 +115,19 @@ def run(
 
 
 def disturbance(result: Result, mass: float) -> np.ndarray[Any, Any]:
-    """Evaluate the disturbance F_d = f_r + m_b (z_b'' - z_s'') + (u - u_sat) (5), in N: what the observer estimates.
+    """Compute the disturbance F_d = f_r + m_b (z_b'' - z_s'') + (u - u_sat) (5), which the observer estimates.
 
     Parameters
     ----------
     result
-        Of a run of the seat suspension.
+        Result of a run of the seat suspension.
     mass
-        m_b, in kg.
+        The driver's mass m_b, in kg.
+
+    Returns
+    -------
+    numpy.ndarray
+        In N, shape (rows,).
     """
     relative = result["seat.driver_acceleration"] - result["seat.seat_acceleration"]
     saturation = result["controller.force_demand"] - result["controller.force"]
@@ -134,13 +149,13 @@ class Measure:
     Attributes
     ----------
     title, unit
-        What and in which unit.
+        Quantity, and the unit in which it is shown.
     value
-        From a result to a number in the SI unit of the signal.
+        Function of a result that returns the quantity in SI units.
     factor
-        From there to ``unit``.
+        Factor from SI units to ``unit``.
     paper
-        What the paper gives.
+        The paper's words or number; empty where it gives none.
     """
 
     title: str
@@ -151,7 +166,13 @@ class Measure:
 
 
 def measures(force_limit: float) -> list[Measure]:
-    """List the rows of the table; ``force_limit`` is u_lim in N, at which the paper's Fig. 7 saturates."""
+    """Return the rows of the table.
+
+    Parameters
+    ----------
+    force_limit
+        u_lim in N, at which the force of the paper's Fig. 7 saturates.
+    """
     acceleration, demand, force = "seat.driver_acceleration", "controller.force_demand", "controller.force"
     return [
         Measure("Driver acceleration, peak", "m/s²", _peak(acceleration), paper='"about 4", uncontrolled (Fig. 5)'),
@@ -172,25 +193,25 @@ NOTES = (
     "The paper prints no further numbers for this simulation. Its bump experiment (2.02 to 1.32 m/s² at 55 kg) "
     "compares with another, passive seat, under an excitation that is not given.",
 )
-"""What to know when reading the table."""
+"""Notes for readers of the table."""
 
 
 def figures(results: Mapping[str, Result], cases: Mapping[str, Case], mass: float) -> dict[str, list[Panel]]:
-    """Make the counterparts of the paper's Fig. 5, 6 and 7.
+    """Return the counterparts of the paper's Fig. 5, 6 and 7.
 
     Parameters
     ----------
     results
-        By case.
+        Name of a case to its result.
     cases
         From :func:`cases`.
     mass
-        The driver's, in kg.
+        The driver's mass, in kg.
 
     Returns
     -------
     dict
-        ``fig05``, ``fig06``, ``fig07`` to panels over time in s.
+        ``fig05``, ``fig06`` and ``fig07`` to panels over time in s.
     """
 
     def curves(signal: str, names: list[str]) -> list[Curve]:
@@ -230,9 +251,9 @@ def draw_figures(folder: Path, results: Mapping[str, Result], cases: Mapping[str
     Parameters
     ----------
     folder
-        Where to; it exists.
+        Folder of the files; it exists.
     results, cases, mass
-        As of :func:`figures`.
+        See :func:`figures`.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The paper's figures and tables that are reproduced, and what goes beyond: number, title, what the paper says."""
+"""Figures and tables that are reproduced, and what goes beyond the paper: number, title, and the paper's claim."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Entry:
-    """A figure or table of the paper.
+    """A figure or table of the report.
 
     Attributes
     ----------
     key
-        Name of its files.
+        Name of its files, without suffix.
     number
-        As printed.
+        Number as printed in the paper.
     title
-        A short one, of ours.
+        Short title; not the paper's.
     claim
-        What the paper says with it.
+        What the paper claims about it.
     in_paper
         Whether the paper has it.
     """
@@ -134,4 +134,4 @@ CONTENTS = [
         in_paper=False,
     ),
 ]
-"""In the order of the report."""
+"""Entries in the order of the report."""

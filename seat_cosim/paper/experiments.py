@@ -10,12 +10,12 @@ from seat_cosim.paper.finding import Finding
 from seat_cosim.paper.friction import friction_loops
 from seat_cosim.paper.rig_bump import rig_bumps
 from seat_cosim.paper.rig_ride import rig_rides
-from seat_cosim.paper.runner import Lab
+from seat_cosim.paper.runner import ExperimentRunner
 from seat_cosim.paper.settings import parameters
 from seat_cosim.paper.simulation import simulated_bump
 from seat_cosim.paper.transmissibility import rig_transmissibility, simulated_transmissibility
 
-EXPERIMENTS: dict[str, Callable[[Lab], Iterator[Finding]]] = {
+EXPERIMENTS: dict[str, Callable[[ExperimentRunner], Iterator[Finding]]] = {
     "parameters": parameters,
     "simulated bump": simulated_bump,
     "simulated transmissibility": simulated_transmissibility,
@@ -25,13 +25,29 @@ EXPERIMENTS: dict[str, Callable[[Lab], Iterator[Finding]]] = {
     "friction": friction_loops,
     "beyond the paper": beyond_the_paper,
 }
-"""What is run, by name."""
+"""Name of an experiment to the function that makes its findings."""
 
 
-def findings(lab: Lab) -> list[Finding]:
-    """Make them all: one for each entry of :data:`seat_cosim.paper.contents.CONTENTS`, in that order."""
+def findings(runner: ExperimentRunner) -> list[Finding]:
+    """Run all experiments.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+
+    Returns
+    -------
+    list of Finding
+        One for each entry of :data:`seat_cosim.paper.contents.CONTENTS`, in that order.
+
+    Raises
+    ------
+    CosimError
+        If a run fails.
+    """
     found: dict[str, Finding] = {}
     for name, experiment in EXPERIMENTS.items():
-        lab.progress(name)
-        found |= {finding.key: finding for finding in experiment(lab)}
+        runner.progress(name)
+        found |= {finding.key: finding for finding in experiment(runner)}
     return [found[entry.key] for entry in CONTENTS]

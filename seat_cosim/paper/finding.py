@@ -1,4 +1,4 @@
-"""What comes out of an experiment: numbers beside the paper's, curves, and words about them."""
+"""Findings of an experiment: numbers beside those of the paper, curves, and remarks."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from seat_cosim.plotting import Panel
 
 
 class Kind(Enum):
-    """How far a number can be trusted to say something about the paper.
+    """How a number was obtained, and so what its agreement with the paper is worth.
 
     Attributes
     ----------
     GIVEN
         An input, not a result.
     SIMULATED
-        Of the paper's own equations and parameters; nothing is fitted.
+        Result of the paper's own equations and parameters; nothing is fitted.
     FITTED
-        Parameters nobody published were chosen so that this number fits.
+        Result to which parameters that are not published were fitted.
     PREDICTED
-        Of the same parameters, where they were not fitted.
+        Result of the same parameters, to which they were not fitted.
     """
 
     GIVEN = "given"
@@ -31,7 +31,22 @@ class Kind(Enum):
 
 
 def text(value: float, digits: int, sign: str = "-") -> str:
-    """Write a number, with a true minus; ``sign`` as in a format specification."""
+    """Format a number, with the minus sign of typography.
+
+    Parameters
+    ----------
+    value
+        The number.
+    digits
+        Decimals.
+    sign
+        Sign option of a format specification.
+
+    Examples
+    --------
+    >>> text(3.14159, 2, "+")
+    '+3.14'
+    """
     return f"{value:{sign}.{digits}f}".replace("-", "−")
 
 
@@ -42,17 +57,17 @@ class Row:
     Attributes
     ----------
     quantity, unit
-        What, in which unit.
+        Quantity and its unit.
     paper
-        In the paper's words or figures; empty where it says nothing.
+        The paper's words or numbers; empty where it gives none.
     values
-        Ours.
+        The number found, or the ends of the range.
     kind
-        Of ours.
+        How it was obtained.
     remark
-        One sentence on the difference, or on what there is none from; empty where there is nothing to say.
+        Sentences on the difference from the paper, or on what the number shows; may be empty.
     digits
-        Of ours, behind the point.
+        Decimals of ``values``.
     """
 
     quantity: str
@@ -65,27 +80,27 @@ class Row:
 
     @property
     def ours(self) -> str:
-        """The values as text; changes in % with their sign."""
+        """The values as text; a change in % has its sign."""
         sign = "+" if self.unit == "%" else "-"
         return " to ".join(text(value, self.digits, sign) for value in self.values)
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What we have for one figure or table of the paper.
+    """Counterpart of one figure or table of the paper.
 
     Attributes
     ----------
     key
-        As in :mod:`seat_cosim.paper.contents`.
+        Key of its entry in :data:`seat_cosim.paper.contents.CONTENTS`.
     conditions
-        How it was made, in a few sentences.
+        Conditions under which it was made, in a few sentences.
     rows
         The numbers.
     panels
-        The figure; none for a table.
+        Panels of the figure; none for a table.
     x_label
-        Of the axis the panels share.
+        Label of the axis that the panels share.
     """
 
     key: str

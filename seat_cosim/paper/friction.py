@@ -12,42 +12,48 @@ from cosim.fmi.values import Value
 from cosim.metrics import peak
 from cosim.results.result import Result
 from seat_cosim.paper.finding import Finding, Kind, Row
-from seat_cosim.paper.runner import DEFLECTION, DEFLECTION_RATE, FRICTION, RATE, Lab
+from seat_cosim.paper.runner import DEFLECTION, DEFLECTION_RATE, FRICTION, RATE, ExperimentRunner
 from seat_cosim.plotting import Curve, Panel
 from seat_cosim.scenarios import control
 
 _FREQUENCY = 0.5
 _AMPLITUDES = {0.005: {"color": "C0"}, 0.010: {"color": "C3"}}
-"""Of the deflection, in m, as in the paper, to line styles."""
+"""Amplitude of the deflection in m, as in the paper, to line style."""
 _PERIODS = 3
 _CLAMPED: dict[str, Value] = {"seat.seat_mass": 1e9}
 """A seat so heavy that it stays where it is: the floor's motion is the deflection, as between the machine's jaws."""
-_TURNED = 0.9
-"""Of the plateau, where the force is taken to have changed sides."""
+_REVERSED = 0.9
+"""Share of the plateau at which the force counts as reversed."""
 _CLOSE_UP = 0.15
-"""mm from the turning point."""
+"""Distance from the turning point that the figure shows, in mm."""
 _CLOSE_UP_SAMPLES = 40
-"""As many lie there at the smaller amplitude."""
+"""Number of samples within it at the smaller amplitude."""
 
 
-def friction_loops(lab: Lab) -> Iterator[Finding]:
-    """Move the suspension by sines, the seat held, the controller off."""
-    loops = {amplitude: _last_period(lab, amplitude) for amplitude in _AMPLITUDES}
+def friction_loops(runner: ExperimentRunner) -> Iterator[Finding]:
+    """Make Fig. 18 and 19: sines of the deflection, with the seat held and the controller off.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+    """
+    loops = {amplitude: _last_period(runner, amplitude) for amplitude in _AMPLITUDES}
     seat = "seat.friction."
-    alpha, gamma, beta, A = (lab.system.start(seat + name) for name in ("alpha", "gamma", "beta", "A"))
+    alpha, gamma, beta, A = (runner.system.start(seat + name) for name in ("alpha", "gamma", "beta", "A"))
     plateau = alpha * math.sqrt(A / (gamma + beta))
     yield _loops(loops, plateau)
     yield _reversal(loops, plateau)
 
 
-def _last_period(lab: Lab, amplitude: float) -> Result:
-    """Shake until the loop repeats itself; returns that loop, closed."""
+def _last_period(runner: ExperimentRunner, amplitude: float) -> Result:
+    """Run sines of an amplitude in m until the loop is periodic; returns its last period."""
     sine: dict[str, Value] = {
         "shaker.profile": "sine",
         "shaker.sine.frequency": _FREQUENCY,
         "shaker.sine.amplitude": amplitude,
     }
-    result = lab.run(_PERIODS / _FREQUENCY, sine, control(False), _CLAMPED)
+    result = runner.run(_PERIODS / _FREQUENCY, sine, control(False), _CLAMPED)
     first = round((_PERIODS - 1) / _FREQUENCY * RATE)
     return replace(result, time=result.time[first:], values={n: v[first:] for n, v in result.values.items()})
 
@@ -106,20 +112,20 @@ def _marks(plateau: float) -> dict[str, float]:
 
 
 def _reversal(loops: Mapping[float, Result], plateau: float) -> Finding:
-    """Make Fig. 19: how the force changes sides once the motion turns."""
+    """Make Fig. 19: the reversal of the force after the motion has turned."""
     ways, forces = {}, {}
     for amplitude, result in loops.items():
         top = int(result[DEFLECTION].argmax())
         ways[amplitude] = 1e3 * (result[DEFLECTION][top] - result[DEFLECTION][top : top + _CLOSE_UP_SAMPLES])
         forces[amplitude] = result[FRICTION][top : top + _CLOSE_UP_SAMPLES]
-    lengths = [float(np.interp(_TURNED * plateau, -forces[amplitude], way)) for amplitude, way in ways.items()]
+    lengths = [float(np.interp(_REVERSED * plateau, -forces[amplitude], way)) for amplitude, way in ways.items()]
     curves = [
         Curve(f"{amplitude * 1e3:g} mm", forces[amplitude], {**_AMPLITUDES[amplitude], "marker": "."}, way)
         for amplitude, way in ways.items()
     ]
     rows = [
         Row(
-            f"Way from the turning point until {_TURNED:.0%} of the plateau",
+            f"Way from the turning point until {_REVERSED:.0%} of the plateau",
             "mm",
             "",
             tuple(lengths),

@@ -1,4 +1,4 @@
-"""The report of the paper's evaluation: one page that needs nothing beside it, and each figure's files."""
+"""Report of the reproduction: an HTML page that needs no other file, and the files of each figure and table."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.results.csv_file import head, lines
+from cosim.results.csv_file import format_header, format_rows
 from seat_cosim.html_page import embedded, render
 from seat_cosim.paper.contents import CONTENTS, Entry
 from seat_cosim.paper.finding import Finding, Kind, Row
@@ -17,13 +17,13 @@ from seat_cosim.plotting import draw
 PAGE = "index.html"
 
 _WIDTH = 4.8
-"""Inches: letters are legible where a phone shows the figure, and no larger than the text where a desk does."""
+"""Width of the figures in inches: letters are legible on a phone, and no larger than the text on a desktop."""
 
 _TITLE = "An active seat suspension, figure by figure"
 _PREFACE = (
     "Every figure and table with numbers of “Disturbance observer based Takagi-Sugeno fuzzy control for an active seat "
     "suspension” (Ning, Sun, Zhang, Du, Li, Zhang), reproduced with components for co-simulation: shaker, seat and "
-    "controller are FMUs, run by a master at 500 Hz. Nothing is computed from the models behind their back.",
+    "controller are FMUs, run by a master at 500 Hz. No result is computed from the models in any other way.",
     "The paper's figures are not reprinted; its numbers stand beside ours, with one sentence on each difference. Ours "
     "are of four kinds:",
 )
@@ -36,17 +36,17 @@ _MEANINGS = {
 }
 
 
-def write(folder: Path, findings: Sequence[Finding], report: Callable[[str], None] = lambda text: None) -> Path:
+def write(folder: Path, findings: Sequence[Finding], progress: Callable[[str], None] = lambda text: None) -> Path:
     """Write the page, and a CSV file for each entry, with PNG and SVG for each figure.
 
     Parameters
     ----------
     folder
-        Where to; it exists.
+        Folder of the files; it exists.
     findings
         From :func:`seat_cosim.paper.experiments.findings`.
-    report
-        Called with what is being drawn.
+    progress
+        Called with a description of the progress.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def write(folder: Path, findings: Sequence[Finding], report: Callable[[str], Non
     images = {}
     for entry, finding in items:
         if finding.panels:
-            report(f"drawing {entry.number}")
+            progress(f"drawing {entry.number}")
             images[entry.key] = _draw(folder, entry, finding)
         _write_csv(folder / f"{entry.key}.csv", finding)
     page = folder / PAGE
@@ -66,7 +66,7 @@ def write(folder: Path, findings: Sequence[Finding], report: Callable[[str], Non
 
 
 def _draw(folder: Path, entry: Entry, finding: Finding) -> str:
-    """Draw a figure into its files; returns it as the page holds it."""
+    """Draw a figure as SVG and PNG; returns the address under which the page embeds it."""
     vector = folder / f"{entry.key}.svg"
     title = f"As the paper's {entry.number}: {entry.title}" if entry.in_paper else entry.title
     draw(vector, title, finding.panels, finding.x_label, width=_WIDTH, copies=[vector.with_suffix(".png")])
@@ -92,7 +92,18 @@ def _items(findings: Sequence[Finding]) -> list[tuple[Entry, Finding]]:
 
 
 def summary(findings: Sequence[Finding]) -> list[tuple[Kind, list[tuple[Entry, Row]]]]:
-    """Sort by kind what the paper gives as a number, and is a result."""
+    """Return the rows for which the paper prints a number, by kind; inputs are left out.
+
+    Parameters
+    ----------
+    findings
+        From :func:`seat_cosim.paper.experiments.findings`.
+
+    Returns
+    -------
+    list
+        Pairs of a kind and its rows, each with its entry.
+    """
     groups = []
     for kind in (Kind.SIMULATED, Kind.FITTED, Kind.PREDICTED):
         rows = [
@@ -106,7 +117,7 @@ def summary(findings: Sequence[Finding]) -> list[tuple[Kind, list[tuple[Entry, R
 
 
 def _write_csv(path: Path, finding: Finding) -> None:
-    """Write what a figure draws, or what a table says."""
+    """Write the curves of a figure, or the rows of a table."""
     with path.open("w", newline="", encoding="utf-8") as stream:
         if not finding.panels:
             table = csv.writer(stream, lineterminator="\n")
@@ -114,12 +125,12 @@ def _write_csv(path: Path, finding: Finding) -> None:
             table.writerows([r.quantity, r.unit, r.paper, r.ours, r.kind.value, r.remark] for r in finding.rows)
             return
         columns = _columns(finding)
-        stream.write(head(list(columns)))
-        stream.write(lines(np.column_stack(list(columns.values()))))
+        stream.write(format_header(list(columns)))
+        stream.write(format_rows(np.column_stack(list(columns.values()))))
 
 
 def _columns(finding: Finding) -> dict[str, np.ndarray]:
-    """Name what is drawn: each axis once, then the curves over it."""
+    """Return the columns of a figure by name: each axis once, then the curves over it."""
     columns: dict[str, np.ndarray] = {}
     for panel in finding.panels:
         x_label = panel.x_label or finding.x_label

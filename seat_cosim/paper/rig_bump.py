@@ -1,4 +1,4 @@
-"""Fig. 11 and 12: the bump of the experiments, of the passive seat and the prototype as calibrated."""
+"""Fig. 11 and 12: the bump of the experiments, with the passive seat and the prototype as calibrated."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cosim.results.result import Result
 from seat_cosim.paper.bump_test import Case
 from seat_cosim.paper.finding import Finding, Kind, Row, text
 from seat_cosim.paper.published import BUMP_PEAKS
-from seat_cosim.paper.runner import SEAT, Lab, change
+from seat_cosim.paper.runner import SEAT, ExperimentRunner, change
 from seat_cosim.plotting import Curve, Panel
 from seat_cosim.scenarios import SCENARIOS
 
@@ -22,13 +22,20 @@ _REMARKS = {
 }
 
 
-def rig_bumps(lab: Lab) -> Iterator[Finding]:
-    """Meet the bump with either load."""
-    bump, seats = SCENARIOS["bump"], lab.seats()
+def rig_bumps(runner: ExperimentRunner) -> Iterator[Finding]:
+    """Make Fig. 11 and 12: the bump with either load.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+    """
+    bump, seats = SCENARIOS["bump"], runner.seats()
     del seats["uncontrolled"]  # the paper does not show it
     for mass, key in _KEYS.items():
         results = {
-            name: lab.run(bump.stop_time, bump.parameters, seat.parameters, mass=mass) for name, seat in seats.items()
+            name: runner.run(bump.stop_time, bump.parameters, seat.parameters, mass=mass)
+            for name, seat in seats.items()
         }
         yield Finding(
             key,

@@ -1,4 +1,4 @@
-"""Fig. 13-16 and Table 2: the random ride of the passive seat and the prototype as calibrated."""
+"""Fig. 13-16 and Table 2: the random ride, with the passive seat and the prototype as calibrated."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from cosim.metrics import peak, psd, rms
 from cosim.metrics.samples import Samples
 from seat_cosim.paper.finding import Finding, Kind, Row, text
 from seat_cosim.paper.published import REDUCTIONS, RMS
-from seat_cosim.paper.runner import HEAVY, LIGHT, RATE, SEAT, STEP, Lab, change, extent
+from seat_cosim.paper.runner import HEAVY, LIGHT, RATE, SEAT, STEP, ExperimentRunner, change, extent
 from seat_cosim.plotting import Curve, Panel
 
-SETTLE = 10.0
-"""s; what is left out of each ride while the noise begins."""
+WARM_UP = 10.0
+"""Time at the beginning of each ride that is not evaluated, in s."""
 DURATION = 300.0
-"""s of each ride that count."""
+"""Evaluated time of each ride, in s."""
 SEEDS = tuple(range(1, 9))
-"""Of the excitation: 40 minutes together."""
+"""Seeds of the excitation; the rides take 40 minutes together."""
 
 _SHOWN_TIME = 60.0
-"""s of the first ride, in the figures."""
+"""Time of the first ride that figures show, in s."""
 _SHOWN_FREQUENCY = 10.0
-"""Hz, the end of the spectra drawn."""
-_SETTLED = round(SETTLE / STEP)
+"""Highest frequency of the spectra that are drawn, in Hz."""
+_FIRST_ROW = round(WARM_UP / STEP)
 
 
 @dataclass(frozen=True)
@@ -40,17 +40,17 @@ class _Ride:
     shown: Samples
 
 
-def _ride(lab: Lab, name: str, parameters: Mapping[str, Value], mass: float) -> _Ride:
-    lab.progress(f"random ride, {mass:g} kg, {name}")
+def _ride(runner: ExperimentRunner, name: str, parameters: Mapping[str, Value], mass: float) -> _Ride:
+    runner.progress(f"random ride, {mass:g} kg, {name}")
     rides = [
-        lab.run(
-            SETTLE + DURATION,
-            lab.calibration.ride,
+        runner.run(
+            WARM_UP + DURATION,
+            runner.calibration.ride,
             {"shaker.random.seed": seed},
             parameters,
             mass=mass,
             record=[SEAT],
-        )[SEAT][_SETTLED:]
+        )[SEAT][_FIRST_ROW:]
         for seed in SEEDS
     ]
     spectra = [psd(samples, RATE) for samples in rides]
@@ -63,16 +63,22 @@ def _ride(lab: Lab, name: str, parameters: Mapping[str, Value], mass: float) -> 
     )
 
 
-def rig_rides(lab: Lab) -> Iterator[Finding]:
-    """Make Fig. 13 to 16 and Table 2, of the same rides."""
-    seats = lab.seats()
+def rig_rides(runner: ExperimentRunner) -> Iterator[Finding]:
+    """Make Fig. 13 to 16 and Table 2 from the same rides.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+    """
+    seats = runner.seats()
     levels = {}
     for mass, series, spectra in ((LIGHT, "fig13", "fig15"), (HEAVY, "fig14", "fig16")):
-        rides = {name: _ride(lab, name, seat.parameters, mass) for name, seat in seats.items()}
+        rides = {name: _ride(runner, name, seat.parameters, mass) for name, seat in seats.items()}
         levels[mass] = {name: ride.rms for name, ride in rides.items()}
         del rides["ideal"]
-        yield _time_series(lab, series, mass, rides)
-        yield _spectra(lab, spectra, mass, rides)
+        yield _time_series(runner, series, mass, rides)
+        yield _spectra(runner, spectra, mass, rides)
     yield _table(levels)
 
 
@@ -86,9 +92,9 @@ def _conditions(mass: float) -> str:
     return f"ISO 7096 EM3, {len(SEEDS)} rides of {DURATION:g} s, {mass:g} kg strapped to the seat. {fitted}."
 
 
-def _time_series(lab: Lab, key: str, mass: float, rides: Mapping[str, _Ride]) -> Finding:
-    seats = lab.seats()
-    said = {"uncontrolled": "about 6", "passive": "lower", "controlled": "low all the time"}
+def _time_series(runner: ExperimentRunner, key: str, mass: float, rides: Mapping[str, _Ride]) -> Finding:
+    seats = runner.seats()
+    claims = {"uncontrolled": "about 6", "passive": "lower", "controlled": "low all the time"}
     remarks = {
         "uncontrolled": "A peak is one moment of one record that is not published; the rides' levels agree, their "
         "extreme moments need not.",
@@ -100,7 +106,7 @@ def _time_series(lab: Lab, key: str, mass: float, rides: Mapping[str, _Ride]) ->
         Row(
             f"{seats[name].title}, peak (rides' least to largest)",
             "m/s²",
-            said[name],
+            claims[name],
             extent(ride.peaks),
             Kind.PREDICTED,
             remarks[name],
@@ -123,8 +129,8 @@ def _time_series(lab: Lab, key: str, mass: float, rides: Mapping[str, _Ride]) ->
     return Finding(key, _conditions(mass) + shown, rows, panels)
 
 
-def _spectra(lab: Lab, key: str, mass: float, rides: Mapping[str, _Ride]) -> Finding:
-    seats = lab.seats()
+def _spectra(runner: ExperimentRunner, key: str, mass: float, rides: Mapping[str, _Ride]) -> Finding:
+    seats = runner.seats()
     highest = {name: int(ride.density.argmax()) for name, ride in rides.items()}
     remarks = {
         "passive": "The heavily damped seat lets the excitation's own peak at 2.25 Hz through.",

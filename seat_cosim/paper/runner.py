@@ -1,24 +1,28 @@
-"""The bench the experiments run on: the FMUs, loaded once, and the seats that stand on it."""
+"""Runner of the experiments: the FMUs of the seat suspension, loaded once, and the seats that the paper compares."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
 from cosim.engine.session import Session
+from cosim.engine.structure import Structure
 from cosim.fmi.values import Value
 from cosim.metrics.samples import Samples
 from cosim.results.result import Result
 from cosim.system import System
+from plant_models.parameter_sets import NAMES
+from seat_controller_fmu import parameters as design
 from seat_cosim.paper.bump_test import Case
-from seat_cosim.scenarios import control, driver_mass, observer
+from seat_cosim.scenarios import control, driver_mass, gains, observer, read_parameter_sets
 
 STEP = 0.002
-"""Communication step and sample time, in s."""
+"""Communication step size and sample time, in s."""
 
 RATE = 500.0
-"""Samples a second."""
+"""Sampling rate, in Hz."""
 
 FLOOR = "shaker.floor_acceleration"
 SEAT = "seat.seat_acceleration"
@@ -34,12 +38,12 @@ LIGHT, HEAVY = 55.0, 70.0
 
 @dataclass(frozen=True)
 class Calibration:
-    """What the paper does not give, as parameters ``component.variable``, chosen so that its 55 kg numbers fit.
+    """Parameters that the paper does not give, as ``component.variable``, fitted to its numbers of the 55 kg driver.
 
     Attributes
     ----------
     load
-        What the experiments put on the seats.
+        Load of the experiments on the seats.
     prototype
         Imperfections of the active seat, its sensors and actuator.
     passive
@@ -53,29 +57,34 @@ class Calibration:
     passive: Mapping[str, Value]
     ride: Mapping[str, Value]
 
+    @classmethod
+    def read(cls, system: Structure) -> Calibration:
+        """Read the parameter sets of this project, for the seat suspension."""
+        return cls(**{name: read_parameter_sets([name], system) for name in NAMES})
+
 
 @dataclass(frozen=True)
-class Lab:
-    """Runs what the experiments ask for.
+class ExperimentRunner:
+    """Runs the seat suspension under the conditions of an experiment.
 
     Attributes
     ----------
     system
-        Of :func:`seat_cosim.scenarios.seat_suspension`.
+        From :func:`seat_cosim.scenarios.seat_suspension`.
     session
-        It, loaded.
+        Session of the system.
     calibration
-        The parameters that are ours, not the paper's.
+        Parameters that the paper does not give.
     recommended
-        Gains that are ours, for any driver, as parameters of the controller.
+        Controller's parameters of the recommended gains.
     gammas
-        Gamma of Observers 1 and 2, in s/kg2.
+        Number of an observer to its Gamma, in s/kg2.
     settings
-        All other symbols of Table 1, to their values in SI units.
+        Symbol of the design in Table 1 to its value, in SI units.
     progress
-        Called with what is being run.
+        Called with a description of the current experiment.
     warnings
-        What the FMUs warned of, each once.
+        Warnings of the FMUs, each text once.
     """
 
     system: System
@@ -94,16 +103,16 @@ class Lab:
         mass: float = LIGHT,
         record: Sequence[str] | None = None,
     ) -> Result:
-        """Run the system; later parameters win.
+        """Run the system.
 
         Parameters
         ----------
         stop_time
             In s; rounded to whole steps.
         parameters
-            ``component.variable`` to value.
+            ``component.variable`` to value; later ones win.
         mass
-            The driver's, in kg.
+            The driver's mass, in kg.
         record
             Outputs to record; all where None.
 
@@ -113,8 +122,8 @@ class Lab:
             If the run does not reach its stop time.
         """
         merged = driver_mass(mass)
-        for some in parameters:
-            merged |= some
+        for given in parameters:
+            merged |= given
         result = self.session.run(round(stop_time / STEP) * STEP, STEP, merged, record)
         self.warnings.update(dict.fromkeys(result.warnings))
         if result.error is not None:
@@ -122,26 +131,56 @@ class Lab:
         return result
 
     def ideal(self) -> dict[str, Case]:
-        """Name the seats of the simulation, of the paper's equations alone."""
+        """Return the seats of the simulation, of the paper's equations alone, by name."""
         return {
             "uncontrolled": Case("Uncontrolled", control(False), _STYLES["uncontrolled"]),
             "controlled": Case("Observer 1", observer(self.gammas[1]), _STYLES["controlled"]),
         }
 
     def seats(self) -> dict[str, Case]:
-        """Name the seats of the experiments; the paper does not say with which observer: the one of its Fig. 8.
+        """Return the seats of the experiments, by name.
 
-        ``ideal`` is the controlled one without the imperfections of actuator and sensors.
+        The paper does not say which observer they had; the one of its Fig. 8 is taken. ``ideal`` is the controlled seat
+        without the imperfections of actuator and sensors.
         """
-        made = self.calibration
+        calibration = self.calibration
         active = observer(self.gammas[1])
         parameters = {
-            "passive": {**made.load, **made.passive, **control(False)},
-            "uncontrolled": {**made.load, **made.prototype, **control(False)},
-            "controlled": {**made.load, **made.prototype, **active},
-            "ideal": {**made.load, **active},
+            "passive": {**calibration.load, **calibration.passive, **control(False)},
+            "uncontrolled": {**calibration.load, **calibration.prototype, **control(False)},
+            "controlled": {**calibration.load, **calibration.prototype, **active},
+            "ideal": {**calibration.load, **active},
         }
         return {name: Case(name.capitalize(), values, _STYLES[name]) for name, values in parameters.items()}
+
+
+@contextmanager
+def open_runner(system: System, progress: Callable[[str], None] = lambda text: None) -> Iterator[ExperimentRunner]:
+    """Load the FMUs of the seat suspension for the experiments of the paper.
+
+    Parameters
+    ----------
+    system
+        From :func:`seat_cosim.scenarios.seat_suspension`.
+    progress
+        Called with a description of the current experiment.
+
+    Yields
+    ------
+    ExperimentRunner
+        With this project's calibration and recommended gains, and the paper's observers and design.
+    """
+    calibration = Calibration.read(system)
+    with system.open() as session:
+        yield ExperimentRunner(
+            system,
+            session,
+            calibration,
+            recommended=gains("recommended"),
+            gammas={number: gamma.value for number, gamma in design.OBSERVERS.items()},
+            settings={"alpha": design.ALPHA.value, "P_2": design.P_2.value, "lambda": design.LAMBDA.value},
+            progress=progress,
+        )
 
 
 _STYLES: dict[str, dict[str, Any]] = {
@@ -152,11 +191,11 @@ _STYLES: dict[str, dict[str, Any]] = {
 }
 
 
-def change(values: float, reference: float) -> float:
-    """Return by how much a number differs from a reference, in %."""
-    return 100.0 * (values / reference - 1.0)
+def change(value: float, reference: float) -> float:
+    """Return the relative difference of a value from a reference, in %."""
+    return 100.0 * (value / reference - 1.0)
 
 
 def extent(values: Samples) -> tuple[float, float]:
-    """Return the smallest and the largest."""
+    """Return the smallest and the largest value."""
     return float(values.min()), float(values.max())

@@ -1,11 +1,11 @@
-"""Table 1: what the paper prints, and what the FMUs start from."""
+"""Table 1: parameters as the paper prints them, and as the FMUs and the design have them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from seat_cosim.paper.finding import Finding, Kind, Row, text
-from seat_cosim.paper.runner import Lab
+from seat_cosim.paper.runner import ExperimentRunner
 
 _SAME = ""
 """No remark."""
@@ -40,14 +40,20 @@ _PRINTED = [
     ("Gamma of Observer 1", "1e-6 s/kg²", -3.0, "Gamma_1", 0, _SAME),
     ("Gamma of Observer 2", "1e-6 s/kg²", -1.0, "Gamma_2", 0, _SAME),
 ]
-"""Name, unit, printed value, where ours stands (component.variable, or the design's symbol), digits, remark."""
+"""Name, unit, printed value, ``component.variable`` or symbol of the design that holds ours, decimals, remark."""
 
 
-def parameters(lab: Lab) -> Iterator[Finding]:
-    """Make Table 1."""
-    design = {**lab.settings, **{f"Gamma_{number}": 1e6 * gamma for number, gamma in lab.gammas.items()}}
+def parameters(runner: ExperimentRunner) -> Iterator[Finding]:
+    """Make Table 1; no run is needed.
+
+    Parameters
+    ----------
+    runner
+        Has system and design.
+    """
+    design = {**runner.settings, **{f"Gamma_{number}": 1e6 * gamma for number, gamma in runner.gammas.items()}}
     rows = []
-    for name, unit, printed, place, digits, remark in _PRINTED:
-        ours = lab.system.start(place) if "." in place else design[place]
+    for name, unit, printed, source, digits, remark in _PRINTED:
+        ours = runner.system.start(source) if "." in source else design[source]
         rows.append(Row(name, unit, text(printed, digits), (ours,), Kind.GIVEN, remark, digits))
     yield Finding("table1", "The start values of the FMUs, and the numbers of the design.", rows)

@@ -1,4 +1,4 @@
-"""Fig. 5-7: the bump (34) under the ideal seat, of the paper's equations and parameters alone."""
+"""Fig. 5-7: the bump (34) under the ideal seat, by the paper's equations and parameters alone."""
 
 from __future__ import annotations
 
@@ -10,20 +10,28 @@ from cosim.metrics import peak, rms
 from cosim.results.result import Result
 from seat_cosim.paper import bump_test as bump
 from seat_cosim.paper.finding import Finding, Kind, Row
-from seat_cosim.paper.runner import DRIVER, FORCE, LIGHT, Lab
+from seat_cosim.paper.runner import DRIVER, FORCE, LIGHT, ExperimentRunner
 from seat_cosim.scenarios import SCENARIOS
 
 _DEMAND = "controller.force_demand"
 _ESTIMATE = "controller.disturbance_estimate"
 _TITLES = {"uncontrolled": "Uncontrolled", "observer1": "Observer 1", "observer2": "Observer 2"}
 _BUMP_END = 0.8
-"""s, when l / v_0 is over."""
+"""Time at which the bump ends, l / v_0, in s."""
 
 
-def simulated_bump(lab: Lab) -> Iterator[Finding]:
-    """Meet the bump with no control, Observer 1 and Observer 2."""
-    scenario, cases = SCENARIOS["bump"], bump.cases(lab.gammas)
-    results = {name: lab.run(scenario.stop_time, scenario.parameters, case.parameters) for name, case in cases.items()}
+def simulated_bump(runner: ExperimentRunner) -> Iterator[Finding]:
+    """Make Fig. 5 to 7: the bump without control, with Observer 1 and with Observer 2.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+    """
+    scenario, cases = SCENARIOS["bump"], bump.cases(runner.gammas)
+    results = {
+        name: runner.run(scenario.stop_time, scenario.parameters, case.parameters) for name, case in cases.items()
+    }
     panels = bump.figures(results, cases, LIGHT)
     conditions = (
         "The bump (34), 0.07 m high and 0.8 m long, met at 1 m/s with a 55 kg driver; equations (1)-(2) with the "
@@ -45,24 +53,24 @@ def _accelerations(results: dict[str, Result]) -> Iterator[Row]:
     for name, result in results.items():
         yield _row(f"{_TITLES[name]}, peak", "m/s²", paper[name], peak(result[DRIVER]), remarks[name])
     for name, result in results.items():
-        said = "fades sooner" if name == "observer2" else ""
-        remark = "The paper prints no number; a third of that with Observer 1, as it says." if said else ""
+        claim = "fades sooner" if name == "observer2" else ""
+        remark = "The paper prints no number; a third of that with Observer 1, as it says." if claim else ""
         after = result[DRIVER][result.time >= _BUMP_END]
-        yield _row(f"{_TITLES[name]}, RMS after the bump", "m/s²", said, rms(after), remark, 3)
+        yield _row(f"{_TITLES[name]}, RMS after the bump", "m/s²", claim, rms(after), remark, 3)
 
 
 def _estimates(results: dict[str, Result]) -> Iterator[Row]:
-    for name, said in (("observer1", ""), ("observer2", "bigger peak")):
+    for name, claim in (("observer1", ""), ("observer2", "bigger peak")):
         value = peak(results[name][_ESTIMATE])
-        remark = "The paper prints no number; three times as big, as it says." if said else ""
-        yield _row(f"{_TITLES[name]}, peak estimate", "N", said, value, remark, 0)
-    for name, said in (("observer1", ""), ("observer2", "follows better")):
+        remark = "The paper prints no number; three times as big, as it says." if claim else ""
+        yield _row(f"{_TITLES[name]}, peak estimate", "N", claim, value, remark, 0)
+    for name, claim in (("observer1", ""), ("observer2", "follows better")):
         result = results[name]
         free = np.abs(result[_DEMAND] - result[FORCE]) == 0.0
         error = (result[_ESTIMATE] - bump.disturbance(result, LIGHT))[free]
-        remark = "The paper prints no number; it follows better, as it says." if said else ""
+        remark = "The paper prints no number; it follows better, as it says." if claim else ""
         quantity = f"{_TITLES[name]}, RMS error of the estimate while the actuator does not saturate"
-        yield _row(quantity, "N", said, rms(error), remark, 1)
+        yield _row(quantity, "N", claim, rms(error), remark, 1)
 
 
 def _forces(results: dict[str, Result]) -> Iterator[Row]:

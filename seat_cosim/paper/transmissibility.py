@@ -12,37 +12,37 @@ from cosim.metrics import sine_transmissibility
 from cosim.metrics.samples import Samples
 from seat_cosim.paper.bump_test import Case
 from seat_cosim.paper.finding import Finding, Kind, Row
-from seat_cosim.paper.runner import FLOOR, RATE, SEAT, Lab, extent
+from seat_cosim.paper.runner import FLOOR, RATE, SEAT, ExperimentRunner, extent
 from seat_cosim.plotting import Curve, Panel
 
 _FREQUENCIES = np.array([1, 1.25, 1.5, 1.75, 2, 2.25, 2.5, 2.75, 3, 3.25, 3.5, 3.75, 4, 4.25, 4.5, 5, 5.5, 6, 7, 8.0])
 _SQUARES = (2.0 * np.pi * _FREQUENCIES) ** 2
-_SETTLE = 20.0
-"""s, until the transient has faded."""
+_WARM_UP = 20.0
+"""Time until the transient has decayed, in s."""
 _PERIODS = 20
-"""How many are looked at."""
+"""Number of periods that are evaluated."""
 _AMPLITUDE = 1.0
-"""m/s2, of the floor's acceleration, in the simulation of Fig. 8."""
+"""Amplitude of the floor's acceleration in the simulation of Fig. 8, in m/s2."""
 _LARGER = 2.0
-"""m/s2; shows what the amplitude does."""
+"""A second amplitude, in m/s2; shows how the result depends on it."""
 _STROKES = (0.005, 0.010)
-"""m, of the floor, for Fig. 10: the amplitudes of the paper's friction test, the first one for the numbers."""
+"""Amplitudes of the floor for Fig. 10, in m: those of the paper's friction test. The rows are of the first one."""
 
 
 @dataclass(frozen=True)
 class _Response:
-    """Ratios over ``_FREQUENCIES``: of the RMS values, harmonics and all, and of the excitation's frequency alone."""
+    """Ratios over ``_FREQUENCIES``: of the RMS values, with all harmonics, and at the excitation's frequency alone."""
 
     rms_ratio: Samples
     gain: Samples
 
     def within(self, low: float, high: float) -> Samples:
-        """Return the RMS ratios of a band in Hz, ends included."""
+        """Return the RMS ratios of a band in Hz, both ends included."""
         return self.rms_ratio[(low <= _FREQUENCIES) & (high >= _FREQUENCIES)]
 
 
-def _response(lab: Lab, parameters: Mapping[str, Value], amplitudes: Samples) -> _Response:
-    """Shake a seat at one frequency after the other, the floor's displacement amplitudes in m."""
+def _response(runner: ExperimentRunner, parameters: Mapping[str, Value], amplitudes: Samples) -> _Response:
+    """Run sines at all frequencies; ``amplitudes`` of the floor's displacement in m, shape of ``_FREQUENCIES``."""
     found = []
     for frequency, amplitude in zip(_FREQUENCIES.tolist(), amplitudes.tolist(), strict=True):
         sine: dict[str, Value] = {
@@ -50,16 +50,22 @@ def _response(lab: Lab, parameters: Mapping[str, Value], amplitudes: Samples) ->
             "shaker.sine.frequency": frequency,
             "shaker.sine.amplitude": amplitude,
         }
-        result = lab.run(_SETTLE + _PERIODS / frequency, sine, parameters, record=[FLOOR, SEAT])
-        found.append(sine_transmissibility(result[FLOOR], result[SEAT], RATE, frequency, _SETTLE))
+        result = runner.run(_WARM_UP + _PERIODS / frequency, sine, parameters, record=[FLOOR, SEAT])
+        found.append(sine_transmissibility(result[FLOOR], result[SEAT], RATE, frequency, _WARM_UP))
     return _Response(np.array([each.rms_ratio for each in found]), np.array([each.gain for each in found]))
 
 
-def simulated_transmissibility(lab: Lab) -> Iterator[Finding]:
-    """Make Fig. 8, of the ideal seat with and without Observer 1."""
-    seats = lab.ideal()
+def simulated_transmissibility(runner: ExperimentRunner) -> Iterator[Finding]:
+    """Make Fig. 8: the ideal seat with and without Observer 1.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+    """
+    seats = runner.ideal()
     small, large = (
-        {name: _response(lab, case.parameters, acceleration / _SQUARES) for name, case in seats.items()}
+        {name: _response(runner, case.parameters, acceleration / _SQUARES) for name, case in seats.items()}
         for acceleration in (_AMPLITUDE, _LARGER)
     )
     low, gain = small["controlled"].within(1.0, 2.5), small["controlled"].gain[_FREQUENCIES <= 2.5]
@@ -109,7 +115,7 @@ def simulated_transmissibility(lab: Lab) -> Iterator[Finding]:
     panels = [_panel(f"at {_AMPLITUDE:g} m/s²", seats, small, 1.4), _panel(f"at {_LARGER:g} m/s²", seats, large, 3.0)]
     yield Finding(
         "fig08",
-        f"Sines of constant floor acceleration, 55 kg, {_PERIODS} periods after {_SETTLE:g} s; seat over floor. The "
+        f"Sines of constant floor acceleration, 55 kg, {_PERIODS} periods after {_WARM_UP:g} s; seat over floor. The "
         "seat's motion is no sine, for friction: full and dashed lines are ratios of RMS values, dotted ones of the "
         "fundamental alone.",
         rows,
@@ -118,12 +124,18 @@ def simulated_transmissibility(lab: Lab) -> Iterator[Finding]:
     )
 
 
-def rig_transmissibility(lab: Lab) -> Iterator[Finding]:
-    """Make Fig. 10, of the seats as calibrated."""
-    seats = lab.seats()
+def rig_transmissibility(runner: ExperimentRunner) -> Iterator[Finding]:
+    """Make Fig. 10: the seats as calibrated.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+    """
+    seats = runner.seats()
     del seats["ideal"]
     small, large = (
-        {name: _response(lab, case.parameters, np.full_like(_FREQUENCIES, stroke)) for name, case in seats.items()}
+        {name: _response(runner, case.parameters, np.full_like(_FREQUENCIES, stroke)) for name, case in seats.items()}
         for stroke in _STROKES
     )
     yield Finding(

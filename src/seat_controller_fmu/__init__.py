@@ -1,1 +1,1 @@
-"""The controller: parameters, fuzzy model, sampled step, interface (and, with later work, design and certificate)."""
+"""The controller: its variables, the Takagi-Sugeno model, the sampled control law, and the design of its gains."""

@@ -1,4 +1,4 @@
-/* The sampled controller: rate filter, observer (21), law (24), saturation (6), torque (33). See controller.h.
+/* The sampled controller: rate filter, observer (21), control law (24), saturation (6), torque (33). See controller.h.
  *
  * One sample k, with delta the measured deflection, Y_2 the measured seat acceleration and h the sample time:
  *
@@ -21,13 +21,14 @@ typedef seat_controller_real real;
 
 static const double pi = 3.14159265358979323846;
 
-/* A sample is due if its time is reached within this share of the sample time: hosts add up rounding errors. */
-static const double same_sample = 1e-3;
+/* A sample is due if its time is reached within this share of the sample time: hosts accumulate rounding errors. */
+static const double sample_tolerance = 1e-3;
 
-/* In s: how far the next sample may be from the time reached, hosts' rounding errors at late times included. */
-static const double farthest = 1.0;
+/* Largest distance of the next sample from the time that a run has reached, in s; allows for rounding errors of hosts.
+ */
+static const double clock_tolerance = 1.0;
 
-/* States of smaller magnitude are zero: fading out, they would become denormal, which is slow. */
+/* Return a state, or zero if its magnitude is below 1e-30: arithmetic with subnormal numbers is slow. */
 static real flush_subnormal(real state)
 {
     const real smallest = REAL(1e-30);
@@ -39,12 +40,12 @@ static real square_root(real x)
     return sizeof(real) == sizeof(float) ? REAL(sqrtf((float)x)) : REAL(sqrt((double)x));
 }
 
-/* The vertices of the Takagi-Sugeno model: M_min and M_max, the total masses (4) in kg. */
+/* Vertices of the Takagi-Sugeno model: M_min and M_max, the total masses (4) in kg. */
 typedef struct {
     real minimum, maximum;
 } mass_range;
 
-/* Membership h_1 (12) of the total mass M, clamped to [0, 1]; h_2 = 1 - h_1. */
+/* Return the membership h_1 (12) of the total mass M in kg, clamped to [0, 1]; h_2 = 1 - h_1. */
 static real membership(mass_range range, real mass)
 {
     const real slowest = REAL(1.0) / range.maximum, fastest = REAL(1.0) / range.minimum;
@@ -52,10 +53,10 @@ static real membership(mass_range range, real mass)
     return h_1 > REAL(1.0) ? REAL(1.0) : h_1 > REAL(0.0) ? h_1 : REAL(0.0);
 }
 
-/* L_i as given, or D_2i/Gamma with D_2i = 1/M_i (23) where it is 0. */
-static real observer_gain(real given, real mass, real gamma)
+/* Return L_i in kg/s: as set, or D_2i/Gamma with D_2i = 1/M_i (23) where it is 0. */
+static real observer_gain(real set, real mass, real gamma)
 {
-    return given < REAL(0.0) || given > REAL(0.0) ? given : REAL(1.0) / (mass * gamma);
+    return set < REAL(0.0) || set > REAL(0.0) ? set : REAL(1.0) / (mass * gamma);
 }
 
 const char *seat_controller_prepare(const seat_controller_parameters *parameters,
@@ -112,13 +113,13 @@ static void held_outputs(const seat_controller_state *state, const seat_controll
     const real radicand = c->link_squared - height * height;
     outputs->force = state->force;
     outputs->force_demand = state->demand;
-    outputs->motor_torque =
-        radicand > REAL(0.0) ? state->force * square_root(radicand) * c->torque_gain : REAL(0.0);
+    outputs->motor_torque = radicand > REAL(0.0) ? state->force * square_root(radicand) * c->torque_gain : REAL(0.0);
     outputs->disturbance_estimate = state->estimate;
     outputs->deflection_rate = state->rate;
     outputs->saturated = state->demand > state->force || state->demand < state->force;
 }
 
+/* Take one sample. */
 static void sample(seat_controller_state *state, const seat_controller_inputs *inputs,
                    const seat_controller_coefficients *c)
 {
@@ -141,9 +142,10 @@ static void sample(seat_controller_state *state, const seat_controller_inputs *i
     state->estimate = flush_subnormal(F_hat);
 }
 
-int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters, double time)
+int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters,
+                                   double time)
 {
-    return fabs(state->next_sample * (double)parameters->sample_time - time) <= farthest;
+    return fabs(state->next_sample * (double)parameters->sample_time - time) <= clock_tolerance;
 }
 
 void seat_controller_start(seat_controller_state *state)
@@ -159,22 +161,22 @@ void seat_controller_step(seat_controller_state *state, const seat_controller_in
     held_outputs(state, coefficients, outputs);
 }
 
-void seat_controller_initial(seat_controller_state *state, const seat_controller_inputs *inputs,
-                             const seat_controller_coefficients *coefficients, double time,
-                             seat_controller_outputs *outputs)
+void seat_controller_initialize(seat_controller_state *state, const seat_controller_inputs *inputs,
+                                const seat_controller_coefficients *coefficients, double time,
+                                seat_controller_outputs *outputs)
 {
-    const seat_controller_outputs nothing = {0};
-    (void)inputs; /* initialisation takes no sample */
+    const seat_controller_outputs zero = {0};
+    (void)inputs; /* no sample is taken */
     seat_controller_start(state);
-    state->next_sample = ceil(time / coefficients->sample_time - same_sample);
-    *outputs = nothing;
+    state->next_sample = ceil(time / coefficients->sample_time - sample_tolerance);
+    *outputs = zero;
 }
 
 void seat_controller_advance(seat_controller_state *state, const seat_controller_inputs *inputs,
                              const seat_controller_coefficients *coefficients, double time, double step_size,
                              seat_controller_outputs *outputs)
 {
-    const double end = ceil((time + step_size) / coefficients->sample_time - same_sample);
+    const double end = ceil((time + step_size) / coefficients->sample_time - sample_tolerance);
     while (state->next_sample < end) {
         sample(state, inputs, coefficients);
         state->next_sample += 1.0;

@@ -1,32 +1,32 @@
-/* The sampled controller in C99: the twin of controller.py, to the last operation.
+/* The sampled controller in C99, the C twin of controller.py with the same arithmetic operations.
  *
- * This header and controller.c stand alone: no allocation, no globals, no recursion, no input or output; all memory is
- * the caller's and of fixed size. Symbols and equation numbers are the paper's, see NOMENCLATURE.md; the equations stand
- * in controller.c.
+ * This header and controller.c need no other file: no allocation, no globals, no recursion, no input or output; all
+ * memory belongs to the caller and has a fixed size. Symbols and equation numbers are those of the paper, see
+ * NOMENCLATURE.md; the equations are in controller.c. Up is positive, times are in s.
  *
- * Use: fill the parameters, seat_controller_prepare() once (and again after a change), seat_controller_start(), then
- * seat_controller_step() every sample_time.
+ * Use: fill the parameters, call seat_controller_prepare() once (and again after a change), seat_controller_start(),
+ * then seat_controller_step() every sample_time.
  */
 #ifndef SEAT_CONTROLLER_H
 #define SEAT_CONTROLLER_H
 
 #include <stdbool.h>
 
-/* The type of all signals: compile with -DSEAT_CONTROLLER_REAL=float for single precision. */
+/* Type of all signals: compile with -DSEAT_CONTROLLER_REAL=float for single precision. */
 #ifndef SEAT_CONTROLLER_REAL
 #define SEAT_CONTROLLER_REAL double
 #endif
 typedef SEAT_CONTROLLER_REAL seat_controller_real;
 
-/* The two sensors. */
+/* Measurements of the two sensors. */
 typedef struct {
     seat_controller_real seat_acceleration;     /* Y_2 = z_s'' in m/s2, up positive */
     seat_controller_real suspension_deflection; /* delta = z_s - z_v in m */
 } seat_controller_inputs;
 
-/* What the controller computed from its last sample. */
+/* Outputs after the last sample. */
 typedef struct {
-    seat_controller_real force;                /* u_sat (6) in N, to the actuator */
+    seat_controller_real force;                /* u_sat (6) in N, to the actuator, up positive */
     seat_controller_real force_demand;         /* u (24) in N */
     seat_controller_real motor_torque;         /* T (33) in N.m, radicand clamped at 0 */
     seat_controller_real disturbance_estimate; /* F_hat (21) in N */
@@ -37,7 +37,7 @@ typedef struct {
 typedef struct {
     seat_controller_real driver_mass;          /* m_b in kg */
     bool anti_windup;                          /* feed the observer u_sat instead of u */
-    bool enabled;                              /* false: u = F_hat = 0, the rate filter runs on */
+    bool enabled;                              /* false: u = F_hat = 0, the rate filter continues */
     seat_controller_real force_limit;          /* u_lim in N */
     seat_controller_real observer_gamma;       /* Gamma in s/kg2, below 0 */
     seat_controller_real L1, L2;               /* observer gains in kg/s; 0: from Gamma by (23) */
@@ -56,16 +56,16 @@ typedef struct {
     seat_controller_real sample_time;          /* h in s */
 } seat_controller_parameters;
 
-/* Of the last sample; demand, force and estimate are u, u_sat and F_hat in N. */
+/* State after the last sample. */
 typedef struct {
-    double next_sample;              /* number k of the sample due next, at k h; used by seat_controller_advance alone */
-    bool started;                    /* before the first sample there is no previous deflection */
-    seat_controller_real deflection; /* delta in m */
-    seat_controller_real rate;       /* v in m/s */
-    seat_controller_real demand, force, estimate;
+    double next_sample; /* number k of the next sample, due at k h; used by seat_controller_advance only */
+    bool started;       /* whether a sample was taken: before the first one there is no previous deflection */
+    seat_controller_real deflection;              /* delta in m */
+    seat_controller_real rate;                    /* v in m/s */
+    seat_controller_real demand, force, estimate; /* u, u_sat and F_hat in N */
 } seat_controller_state;
 
-/* Factors of the sampled equations, from the parameters alone. */
+/* Factors of the sampled equations, derived from the parameters. */
 typedef struct {
     seat_controller_real rate_decay;            /* tau/(tau + h) */
     seat_controller_real rate_gain;             /* 1/(tau + h) in 1/s */
@@ -82,31 +82,34 @@ typedef struct {
     double sample_time; /* h in s */
 } seat_controller_coefficients;
 
-/* Derive the coefficients. Returns NULL, or what is wrong with the parameters in terms of their names. */
+/* Derive the coefficients. Returns NULL, or a message about the parameters in terms of their names. */
 const char *seat_controller_prepare(const seat_controller_parameters *parameters,
                                     seat_controller_coefficients *coefficients);
 
-/* What a user should think about though it is legal, in terms of the parameters' names, or NULL. */
+/* Return a warning about legal parameters in terms of their names, or NULL. */
 const char *seat_controller_warning(const seat_controller_parameters *parameters);
 
-/* Go to before the first sample; takes none. */
+/* Set the state before the first sample; no sample is taken. */
 void seat_controller_start(seat_controller_state *state);
 
-/* Take one sample: to be called every h with fresh measurements. */
+/* Take one sample; must be called every h with new measurements. */
 void seat_controller_step(seat_controller_state *state, const seat_controller_inputs *inputs,
                           const seat_controller_coefficients *coefficients, seat_controller_outputs *outputs);
 
-/* For simulation, where a communication step need not be a sample. Times are in s. */
+/* The functions below are for simulation, where communication steps differ from samples. */
 
-/* Whether the state can be one of a run that has reached a time: its next sample is near. */
-int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters, double time);
+/* Check that a run that has reached a time can have a state: its next sample is near that time. */
+int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters,
+                                   double time);
 
-/* Start at a time; the first sample is the first multiple of h from there on. All outputs are 0. */
-void seat_controller_initial(seat_controller_state *state, const seat_controller_inputs *inputs,
-                             const seat_controller_coefficients *coefficients, double time,
-                             seat_controller_outputs *outputs);
+/* Set the state at a start time; the first sample is due at the first multiple of h from there on. All outputs are 0.
+ */
+void seat_controller_initialize(seat_controller_state *state, const seat_controller_inputs *inputs,
+                                const seat_controller_coefficients *coefficients, double time,
+                                seat_controller_outputs *outputs);
 
-/* Take every sample due in [time, time + step_size), all with the same inputs; the outputs are the last sample's. */
+/* Take every sample due in [time, time + step_size), all with the same inputs; the outputs are those of the last one.
+ */
 void seat_controller_advance(seat_controller_state *state, const seat_controller_inputs *inputs,
                              const seat_controller_coefficients *coefficients, double time, double step_size,
                              seat_controller_outputs *outputs);

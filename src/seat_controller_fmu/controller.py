@@ -8,7 +8,7 @@ One sample k, with delta the measured deflection, Y_2 the measured seat accelera
     u_sat = clip(u_k, -u_lim, u_lim)                                                                (6)
     T     = u_sat sqrt(L^2 - (h_0 + delta_k)^2) / (2 r_g)                                           (33)
 
-starting from u_(-1) = F_(-1) = v_(-1) = 0 and delta_(-1) = delta_0. All that depends on parameters alone is computed
+starting from u_(-1) = F_(-1) = v_(-1) = 0 and delta_(-1) = delta_0. What depends on parameters alone is computed
 beforehand, so a sample costs 10 multiplications, 10 additions and a square root.
 
 Erratum: the paper prints Y_2 = z_s'; the equations hold for the acceleration z_s''.
@@ -19,25 +19,25 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from fmus.component import FARTHEST_TICK, Component, ParameterError
+from fmus.component import CLOCK_TOLERANCE, Component, ParameterError
 from fmus.subnormal import flush_subnormal
 from seat_controller_fmu.fuzzy import MassRange, observer_gain
 from seat_controller_fmu.interface import TERMINALS, Constants, Inputs, Outputs, Parameters
 from seat_controller_fmu.parameters import SAMPLE_TIME
 
-SAME_SAMPLE = 1e-3
-"""A sample is due if its time is reached within this share of the sample time: hosts add up rounding errors."""
+SAMPLE_TOLERANCE = 1e-3
+"""A sample is due if its time is reached within this share of the sample time: hosts accumulate rounding errors."""
 
 
 class State(NamedTuple):
-    """State of the controller.
+    """State of the controller after a sample.
 
     Attributes
     ----------
     next_sample
-        Number k of the sample that is due next, at the time k h.
+        Number k of the next sample, due at the time k h.
     started
-        Whether a sample was taken yet: before, there is no previous deflection.
+        Whether a sample was taken: before the first one there is no previous deflection.
     deflection
         delta of the last sample, in m.
     rate
@@ -56,7 +56,7 @@ class State(NamedTuple):
 
 
 class Coefficients(NamedTuple):
-    """Factors of the sampled equations, from the parameters alone.
+    """Factors of the sampled equations, derived from the parameters.
 
     Attributes
     ----------
@@ -90,14 +90,36 @@ class Coefficients(NamedTuple):
 
 
 def mass_range(parameters: Parameters) -> MassRange:
-    """Return M_min and M_max (11) of the parameters."""
+    """Return the vertices of the Takagi-Sugeno model.
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the controller.
+
+    Returns
+    -------
+    MassRange
+        M_min and M_max (11), in kg.
+    """
     return MassRange(
         parameters.driver_mass_min + parameters.seat_mass, parameters.driver_mass_max + parameters.seat_mass
     )
 
 
 def observer_gains(parameters: Parameters) -> tuple[float, float]:
-    """Return L_1 and L_2 in kg/s: as given, or by (23) where they are 0."""
+    """Return the observer gains at the vertices.
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the controller.
+
+    Returns
+    -------
+    tuple of float
+        L_1 and L_2, in kg/s: as set, or by (23) where they are 0.
+    """
     given = (parameters.L1, parameters.L2)
     vertices = mass_range(parameters)
     return tuple(  # type: ignore[return-value]
@@ -107,7 +129,17 @@ def observer_gains(parameters: Parameters) -> tuple[float, float]:
 
 
 def prepare(parameters: Parameters) -> Coefficients:
-    """Derive the step's coefficients: schedule gains and model over the driver's mass (11)-(14).
+    """Derive the coefficients: gains and model, scheduled over the driver's mass (11)-(14).
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the controller, each within its range.
+
+    Returns
+    -------
+    Coefficients
+        For :func:`step` and :func:`advance`.
 
     Raises
     ------
@@ -156,16 +188,18 @@ def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[Stat
     Parameters
     ----------
     state
-        Of the previous sample.
+        State after the previous sample.
     inputs
         Measurements at the sample.
     coefficients
-        From :func:`prepare`.
+        Coefficients from :func:`prepare`.
 
     Returns
     -------
-    tuple of State and Outputs
-        After the sample; ``state.next_sample`` is one more.
+    state : State
+        After the sample, with ``next_sample`` increased by one.
+    outputs : Outputs
+        After the sample.
     """
     c = coefficients
     delta = inputs.suspension_deflection
@@ -184,7 +218,20 @@ def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[Stat
 
 
 def held_outputs(state: State, coefficients: Coefficients) -> Outputs:
-    """Evaluate the outputs of the last sample, the motor torque (33) with its radicand clamped at 0."""
+    """Evaluate the outputs of the last sample, the motor torque (33) with its radicand clamped at 0.
+
+    Parameters
+    ----------
+    state
+        State after the sample.
+    coefficients
+        Coefficients from :func:`prepare`.
+
+    Returns
+    -------
+    Outputs
+        They hold until the next sample.
+    """
     height = coefficients.height + state.deflection
     radicand = coefficients.link_squared - height * height
     torque = state.force * math.sqrt(radicand) * coefficients.torque_gain if radicand > 0.0 else 0.0
@@ -198,19 +245,26 @@ def held_outputs(state: State, coefficients: Coefficients) -> Outputs:
     )
 
 
-def initial(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, Outputs]:
-    """Start before the first sample; takes none.
+def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, Outputs]:
+    """Return the state before the first sample; no sample is taken.
 
     Parameters
     ----------
     inputs
-        Not used: initialisation takes no sample.
+        Not used.
     coefficients
-        Not used: all outputs are 0.
+        Not used.
     time
-        Start time, in s; the first sample is the first multiple of the sample time from there on.
+        Start time, in s; the first sample is due at the first multiple of the sample time from there on.
+
+    Returns
+    -------
+    state : State
+        Before the first sample.
+    outputs : Outputs
+        All 0.
     """
-    first = math.ceil(time / SAMPLE_TIME.value - SAME_SAMPLE)
+    first = math.ceil(time / SAMPLE_TIME.value - SAMPLE_TOLERANCE)
     return State(first, False, 0.0, 0.0, 0.0, 0.0, 0.0), Outputs()
 
 
@@ -222,20 +276,24 @@ def advance(
     Parameters
     ----------
     state
-        At ``time``.
+        State at ``time``.
     inputs
-        Measurements, as set before the step.
+        Measurements at ``time``.
     coefficients
-        From :func:`prepare`.
-    time, step_size
-        Begin and length of the communication step, in s.
+        Coefficients from :func:`prepare`.
+    time
+        Begin of the communication step, in s.
+    step_size
+        Communication step size, in s.
 
     Returns
     -------
-    tuple of State and Outputs
-        The outputs are the last sample's, also where none was due.
+    state : State
+        At the end of the step.
+    outputs : Outputs
+        Those of the last sample, also if none was due in the step.
     """
-    end = math.ceil((time + step_size) / SAMPLE_TIME.value - SAME_SAMPLE)
+    end = math.ceil((time + step_size) / SAMPLE_TIME.value - SAMPLE_TOLERANCE)
     outputs = None
     while state.next_sample < end:
         state, outputs = step(state, inputs, coefficients)
@@ -243,7 +301,18 @@ def advance(
 
 
 def warnings(parameters: Parameters) -> list[str]:
-    """Say where the scheduling is clamped: a driver outside the range the gains are made for."""
+    """Warn of a driver's mass outside the range of the gains, where the scheduling is clamped.
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the controller.
+
+    Returns
+    -------
+    list of str
+        At most one message.
+    """
     p = parameters
     if p.driver_mass_min <= p.driver_mass <= p.driver_mass_max:
         return []
@@ -254,8 +323,23 @@ def warnings(parameters: Parameters) -> list[str]:
 
 
 def is_valid_state(state: State, parameters: Parameters, time: float) -> bool:
-    """Whether the state can be one of a run that has reached ``time``, in s: its next sample is near."""
-    return abs(state.next_sample * SAMPLE_TIME.value - time) <= FARTHEST_TICK
+    """Check that a run can have a state at a time: its next sample is near that time.
+
+    Parameters
+    ----------
+    state
+        State of any origin; all its numbers are finite.
+    parameters
+        Not used.
+    time
+        Time that the run has reached, in s.
+
+    Returns
+    -------
+    bool
+        Whether a run can have this state.
+    """
+    return abs(state.next_sample * SAMPLE_TIME.value - time) <= CLOCK_TOLERANCE
 
 
 SEAT_CONTROLLER = Component(
@@ -268,7 +352,7 @@ SEAT_CONTROLLER = Component(
     constants=Constants,
     state=State,
     prepare=prepare,
-    initial=initial,
+    initialize=initialize,
     advance=advance,
     is_valid_state=is_valid_state,
     warnings=warnings,

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class MassRange(NamedTuple):
-    """The vertices of the Takagi-Sugeno model.
+    """Vertices of the Takagi-Sugeno model.
 
     Attributes
     ----------
@@ -23,7 +23,17 @@ class MassRange(NamedTuple):
         Parameters
         ----------
         mass
-            M = m_b + m_s, in kg.
+            Total mass M = m_b + m_s (4), in kg.
+
+        Returns
+        -------
+        tuple of float
+            h_1 and h_2 = 1 - h_1.
+
+        Examples
+        --------
+        >>> MassRange(73.0, 108.0).memberships(73.0)
+        (1.0, 0.0)
         """
         slowest, fastest = 1.0 / self.maximum, 1.0 / self.minimum
         h_1 = (1.0 / mass - slowest) / (fastest - slowest)
@@ -31,7 +41,18 @@ class MassRange(NamedTuple):
         return h_1, 1.0 - h_1
 
     def inverse_mass(self, mass: float) -> float:
-        """Evaluate 1/M = h_1/M_min + h_2/M_max (11), in 1/kg: M clamped to the range."""
+        """Evaluate 1/M = h_1/M_min + h_2/M_max (11) with M clamped to the range.
+
+        Parameters
+        ----------
+        mass
+            Total mass M = m_b + m_s (4), in kg.
+
+        Returns
+        -------
+        float
+            1/M, in 1/kg.
+        """
         h_1, h_2 = self.memberships(mass)
         return h_1 / self.minimum + h_2 / self.maximum
 
@@ -42,13 +63,13 @@ def observer_gain(mass: float, gamma: float) -> float:
     Parameters
     ----------
     mass
-        M_i, in kg.
+        Total mass M_i at the vertex, in kg.
     gamma
-        Gamma < 0, in s/kg2 so that the observer's pole L_i D_2i comes out in 1/s.
+        Gamma < 0, in s/kg2, so that the pole L_i D_2i of the observer has the unit 1/s.
 
     Returns
     -------
     float
-        L_i in kg/s.
+        L_i, in kg/s.
     """
     return 1.0 / (mass * gamma)

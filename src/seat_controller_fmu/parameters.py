@@ -1,7 +1,7 @@
-"""The controller's numbers, each with unit, symbol and source (equation numbers are the paper's [1]).
+"""Default values of the controller, each with unit, symbol and source (equation numbers are those of the paper [1]).
 
-What the controller assumes of the seat (m_s, k_f, m_b) is its nominal model, declared here: this package knows no
-plant. A test of the whole keeps these numbers equal to the plant's.
+The seat mass, suspension stiffness and driver mass are the nominal model of the controller. They are declared here, as
+this package does not import the plant; a test compares them with the plant's values.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ OBSERVERS = {
     1: Quantity(-3e-6, "s/kg2", "Gamma", "Table 1, Observer 1"),
     2: Quantity(-1e-6, "s/kg2", "Gamma", "Table 1, Observer 2"),
 }
-"""The constants of the paper's two observers."""
+"""Constants of the two observers in the paper, by number."""
 OBSERVER_GAIN = Quantity(0.0, "kg/s", "L_i", "equation 23 where 0")
 PUBLISHED_OBSERVER_GAINS = {1: (-4566.0, -3086.0), 2: (-13699.0, -9259.0)}
-"""L_1 and L_2 of Observers 1 and 2 as printed in section 3.2, in kg/s: what (23) is checked against."""
+"""L_1 and L_2 of Observers 1 and 2 as printed in section 3.2, in kg/s, by number; tests compare (23) with them."""
 
 K_1_DEFLECTION = Quantity(4573.0, "N/m", "K_1", "section 3.2")
 K_1_RATE = Quantity(-90.0, "N.s/m", "K_1", "section 3.2")
@@ -41,7 +41,7 @@ LINK_LENGTH = Quantity(0.30, "m", "L", "assumed, not given in the paper")
 INITIAL_HEIGHT = Quantity(0.20, "m", "h_0", "assumed, not given in the paper")
 GEAR_RATIO = Quantity(20.0, "1", "r_g", "section 3.1")
 
-# What the design starts from besides; c_0 is not given in the paper.
+# Further inputs of the design; c_0 is not given in the paper.
 ALPHA = Quantity(0.02, "1", "alpha", _TABLE_1)
 P_2 = Quantity(400.0, "1", "P_2", _TABLE_1)
 LAMBDA = Quantity(1.2, "1", "lambda", _TABLE_1)

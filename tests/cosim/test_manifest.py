@@ -1,4 +1,4 @@
-"""run.json: a run told so that it can be run again, whatever became of it."""
+"""run.json: complete, failed and killed runs are described so that they can be run again."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ H = 0.002
 
 @pytest.fixture
 def swapped(native: Path) -> System:
-    """A system with everything a manifest has to tell: own steps, transformations, parameters of all kinds."""
+    """A system with all that a manifest describes: transformations, parameters of all types."""
     system = seat_suspension(native / "fmi3")
     system.disconnect("controller.suspension_deflection")
     system.connect("seat.suspension_deflection", "controller.suspension_deflection", Linear(0.1 + 0.2, -1e-9))
@@ -45,31 +45,31 @@ def run(system: System, folder: Path, command: Sequence[str] = (), **options: An
     return run_to_folder(system, folder, RunOptions(0.1, parameters=PARAMETERS, **options), command=command)
 
 
-def test_run_json_tells_what_ran_and_how_it_ended(swapped: System, tmp_path: Path):
+def test_run_json_describes_the_run_and_its_end(swapped: System, tmp_path: Path):
     record = ["controller.force", "seat.driver_acceleration"]
     run(swapped, tmp_path, record=record, record_every=2, formats=["parquet"], command=["seat-cosim", "run"])
-    told = json.loads((tmp_path / "run.json").read_text())
-    assert (told["format"], told["complete"], told["rows"], told["error"]) == (1, True, 26, None)
-    assert told["files"] == {name: sha256(tmp_path / name) for name in ("result.csv", "result.parquet")}
-    assert told["command"] == ["seat-cosim", "run"]
-    assert set(told["versions"]) == {"python", "fmpy", "numpy", "pyarrow", "seat-cosim"}
-    assert told["components"]["seat"]["fmu"] == str(swapped.models["seat"].path)
-    assert told["components"]["seat"]["model"] == "SeatPlant"
-    assert told["components"]["seat"]["fmi"] == "3.0"
-    assert told["order"] == ["controller", "seat", "shaker"]
-    assert told["algorithm"] == "gauss-seidel"
-    assert told["connections"][-1]["factor"] == 0.1 + 0.2
-    assert told["parameters"] == {
+    content = json.loads((tmp_path / "run.json").read_text())
+    assert (content["format"], content["complete"], content["rows"], content["error"]) == (1, True, 26, None)
+    assert content["files"] == {name: sha256(tmp_path / name) for name in ("result.csv", "result.parquet")}
+    assert content["command"] == ["seat-cosim", "run"]
+    assert set(content["versions"]) == {"python", "fmpy", "numpy", "pyarrow", "seat-cosim"}
+    assert content["components"]["seat"]["fmu"] == str(swapped.models["seat"].path)
+    assert content["components"]["seat"]["model"] == "SeatPlant"
+    assert content["components"]["seat"]["fmi"] == "3.0"
+    assert content["order"] == ["controller", "seat", "shaker"]
+    assert content["algorithm"] == "gauss-seidel"
+    assert content["connections"][-1]["factor"] == 0.1 + 0.2
+    assert content["parameters"] == {
         "controller.anti_windup": True,
         "seat.driver_mass": 70.0,
         "shaker.profile": "sine",
     }
-    assert list(told["parameters"]) == sorted(told["parameters"])
-    assert (told["stop_time"], told["step_size"]) == (0.1, H)
-    assert (told["record"], told["record_every"], told["formats"]) == (record, 2, ["csv", "parquet"])
+    assert list(content["parameters"]) == sorted(content["parameters"])
+    assert (content["stop_time"], content["step_size"]) == (0.1, H)
+    assert (content["record"], content["record_every"], content["formats"]) == (record, 2, ["csv", "parquet"])
 
 
-def test_equal_runs_tell_the_same_bytes(swapped: System, tmp_path: Path):
+def test_equal_runs_write_the_same_bytes(swapped: System, tmp_path: Path):
     contents = []
     for folder in (tmp_path / "one", tmp_path / "two"):
         run(swapped, folder, formats=FORMATS)
@@ -85,8 +85,8 @@ def test_a_manifest_reads_back_and_rebuilds_its_system(swapped: System, tmp_path
     read = Manifest.read(tmp_path / "run.json")
     assert read == manifest
     again = read.system()
-    assert {sink: feed[:2] for sink, feed in again.connections.items()} == {
-        sink: feed[:2] for sink, feed in swapped.connections.items()
+    assert {sink: connection[:2] for sink, connection in again.connections.items()} == {
+        sink: connection[:2] for sink, connection in swapped.connections.items()
     }
     assert again.order == swapped.order
     assert again.component_steps == {"seat": 0.004}
@@ -95,7 +95,7 @@ def test_a_manifest_reads_back_and_rebuilds_its_system(swapped: System, tmp_path
     assert Manifest.of(again) == manifest
 
 
-def test_the_function_says_what_a_failed_run_left(fmus: Path, tmp_path: Path):
+def test_the_error_of_a_failed_run_names_its_rows_and_file(fmus: Path, tmp_path: Path):
     result = run_to_folder(
         seat_suspension(fmus), tmp_path, RunOptions(0.1, parameters={"controller.driver_mass_min": 90.0})
     )
@@ -126,7 +126,7 @@ def test_a_session_runs_to_many_folders(swapped: System, tmp_path: Path):
 
 
 @pytest.mark.parametrize("option", [{"record": ["nothing"]}, {"formats": ["xlsx"]}, {"record_every": 0}])
-def test_a_refused_run_leaves_the_folder_alone(swapped: System, tmp_path: Path, option: dict[str, Any]):
+def test_an_invalid_run_does_not_touch_the_folder(swapped: System, tmp_path: Path, option: dict[str, Any]):
     run(swapped, tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     with pytest.raises(SetupError):
@@ -138,57 +138,66 @@ Edit = Callable[[dict[str, Any]], object]
 
 
 @pytest.mark.parametrize(
-    ("edit", "said"),
+    ("edit", "message"),
     [
-        (lambda told: told.update(format=2), "run.json: format: expected 1, got 2"),
-        (lambda told: told.pop("order"), "run.json: expected a key order, got none"),
-        (lambda told: told.update(recrd=[]), r"run.json: unknown key recrd \(did you mean record"),
-        (lambda told: told.update(record="all"), 'run.json: record: expected a list, got "all"'),
-        (lambda told: told.update(record=[1]), r"run.json: record\[0\]: expected a text, got 1"),
-        (lambda told: told.update(stop_time="3 s"), 'run.json: stop_time: expected a number, got "3 s"'),
-        (lambda told: told.update(record_every=1.5), "run.json: record_every: expected a whole number, got 1.5"),
-        (lambda told: told.update(complete=1), "run.json: complete: expected true or false, got 1"),
-        (lambda told: told.update(error=1), "run.json: error: expected a text or null, got 1"),
-        (lambda told: told.update(algorithm="euler"), 'expected one of gauss-seidel, jacobi, got "euler"'),
-        (lambda told: told["components"].update(seat=[]), r"run.json: components: seat: expected an object, got \[\]"),
-        (lambda told: told["components"]["seat"].pop("fmu"), "run.json: components: seat: expected a key fmu"),
-        (lambda told: told["connections"][0].update(input="seat.flor"), r"seat\.flor: expected a variable"),
-        (lambda told: told.update(order=["seat"]), "order: expected each of shaker, seat, controller once, got seat"),
-        (lambda told: told["parameters"].update({"seat.driver_mass": -5.0}), "seat.driver_mass: expected a value in"),
-        (lambda told: told.update(record=["seat.nothing"]), "record seat.nothing: expected an output"),
-        (lambda told: told.update(step_size=-1.0), "step size: expected a finite number of seconds above 0"),
+        (lambda content: content.update(format=2), "run.json: format: expected 1, got 2"),
+        (lambda content: content.pop("order"), "run.json: expected a key order, got none"),
+        (lambda content: content.update(recrd=[]), r"run.json: unknown key recrd \(did you mean record"),
+        (lambda content: content.update(record="all"), 'run.json: record: expected a list, got "all"'),
+        (lambda content: content.update(record=[1]), r"run.json: record\[0\]: expected a text, got 1"),
+        (lambda content: content.update(stop_time="3 s"), 'run.json: stop_time: expected a number, got "3 s"'),
+        (lambda content: content.update(record_every=1.5), "run.json: record_every: expected a whole number, got 1.5"),
+        (lambda content: content.update(complete=1), "run.json: complete: expected true or false, got 1"),
+        (lambda content: content.update(error=1), "run.json: error: expected a text or null, got 1"),
+        (lambda content: content.update(algorithm="euler"), 'expected one of gauss-seidel, jacobi, got "euler"'),
         (
-            lambda told: told["components"]["seat"].update(fmu="x.fmu"),
+            lambda content: content["components"].update(seat=[]),
+            r"run.json: components: seat: expected an object, got \[\]",
+        ),
+        (lambda content: content["components"]["seat"].pop("fmu"), "run.json: components: seat: expected a key fmu"),
+        (lambda content: content["connections"][0].update(input="seat.flor"), r"seat\.flor: expected a variable"),
+        (
+            lambda content: content.update(order=["seat"]),
+            "order: expected each of shaker, seat, controller once, got seat",
+        ),
+        (
+            lambda content: content["parameters"].update({"seat.driver_mass": -5.0}),
+            "seat.driver_mass: expected a value in",
+        ),
+        (lambda content: content.update(record=["seat.nothing"]), "record seat.nothing: expected an output"),
+        (lambda content: content.update(step_size=-1.0), "step size: expected a finite number of seconds above 0"),
+        (
+            lambda content: content["components"]["seat"].update(fmu="x.fmu"),
             r"seat: x\.fmu: expected an FMU, got no such file",
         ),
         (
-            lambda told: told["components"]["seat"].update(member="x"),
+            lambda content: content["components"]["seat"].update(member="x"),
             "/x: expected an FMU in the archive, got none",
         ),
         (
-            lambda told: told["components"]["seat"].update(sha256="0" * 64),
+            lambda content: content["components"]["seat"].update(sha256="0" * 64),
             r"fmu: expected .*\(sha256 0{12}…\), got",
         ),
     ],
 )
 def test_a_run_json_that_does_not_fit_is_one_line_and_exit_code_2(
-    shell: Shell, tmp_path: Path, swapped: System, edit: Edit, said: str
+    shell: Shell, tmp_path: Path, swapped: System, edit: Edit, message: str
 ):
     run(swapped, tmp_path)
-    told = json.loads((tmp_path / "run.json").read_text())
-    edit(told)
-    (tmp_path / "run.json").write_text(json.dumps(told))
+    content = json.loads((tmp_path / "run.json").read_text())
+    edit(content)
+    (tmp_path / "run.json").write_text(json.dumps(content))
     code, out, err = shell("rerun", "run.json")
     assert (code, out) == (2, "")
     assert err.startswith("seat-cosim: error: ")
     assert err.count("\n") == 1
-    with pytest.raises(AssertionError, match=said):  # pytest's match searches, and shows both where it fails
+    with pytest.raises(AssertionError, match=message):  # pytest's match searches, and shows both where it fails
         raise AssertionError(err)
     assert not (tmp_path / "rerun").exists()
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (None, "run.json: expected the run.json of a run, got: No such file or directory"),
         ("", "run.json: expected JSON, got: Expecting value"),
@@ -197,19 +206,19 @@ def test_a_run_json_that_does_not_fit_is_one_line_and_exit_code_2(
         ("[]", "run.json: expected an object, got []"),
     ],
 )
-def test_what_is_no_run_json_is_told(tmp_path: Path, content: str | None, said: str):
+def test_a_file_that_is_no_run_json_is_an_error(tmp_path: Path, content: str | None, message: str):
     if content is not None:
         (tmp_path / "run.json").write_text(content)
     with pytest.raises(SetupError) as error:
         Manifest.read(tmp_path / "run.json")
-    assert said in str(error.value)
+    assert message in str(error.value)
 
 
-def test_all_problems_of_a_run_json_are_told_at_once(swapped: System, tmp_path: Path):
+def test_all_problems_of_a_run_json_are_reported_at_once(swapped: System, tmp_path: Path):
     run(swapped, tmp_path)
-    told = json.loads((tmp_path / "run.json").read_text())
-    told.update(format=2, extra=1, rows="many")
-    (tmp_path / "run.json").write_text(json.dumps(told))
+    content = json.loads((tmp_path / "run.json").read_text())
+    content.update(format=2, extra=1, rows="many")
+    (tmp_path / "run.json").write_text(json.dumps(content))
     with pytest.raises(SetupError) as error:
         Manifest.read(tmp_path / "run.json")
     assert len(error.value.problems) == 3
@@ -232,15 +241,15 @@ def test_rerun_gives_the_same_bytes(shell: Shell, tmp_path: Path):
 
 def test_rerun_fails_where_the_bytes_are_not_the_same(shell: Shell, tmp_path: Path):
     assert shell("run", "sine", "--stop-time", "0.1", "--output", "here")[0] == 0
-    told = json.loads((tmp_path / "here" / "run.json").read_text())
-    told["parameters"]["shaker.sine.amplitude"] = 0.005
-    told["versions"]["numpy"] = "1.0"
-    (tmp_path / "here" / "run.json").write_text(json.dumps(told))
+    content = json.loads((tmp_path / "here" / "run.json").read_text())
+    content["parameters"]["shaker.sine.amplitude"] = 0.005
+    content["versions"]["numpy"] = "1.0"
+    (tmp_path / "here" / "run.json").write_text(json.dumps(content))
     code, _, err = shell("rerun", "here/run.json")
     note, error = err.splitlines()
     assert code == 1
     assert note == f"note: numpy {np.__version__}, 1.0 in the first run"
-    assert f"here/rerun/result.csv: expected sha256 {told['files']['result.csv'][:12]}…, got " in error
+    assert f"here/rerun/result.csv: expected sha256 {content['files']['result.csv'][:12]}…, got " in error
     expected, got = (
         read_csv(tmp_path / "here" / name)["shaker.floor_velocity"][0] for name in ("result.csv", "rerun/result.csv")
     )
@@ -279,7 +288,7 @@ def test_changed_and_missing_fmus_are_all_named(shell: Shell, native: Path, tmp_
     assert "controller" not in err
 
 
-def test_fmus_inside_a_system_file_are_told_and_run_again(swapped: System, shell: Shell, tmp_path: Path):
+def test_fmus_inside_a_system_file_are_described_and_run_again(swapped: System, shell: Shell, tmp_path: Path):
     swapped.save("mine.ssp")
     run(System.load("mine.ssp"), tmp_path / "here")
     component = Manifest.read(tmp_path / "here" / "run.json").components["seat"]
@@ -311,10 +320,10 @@ def test_a_process_that_is_killed_leaves_its_rows_and_can_be_run_again(shell: Sh
     assert 100 <= len(left.time) < stop_time / H
     assert list(left.time) == [k * H for k in range(len(left.time))]
     assert not left.complete
-    told = json.loads((folder / "run.json").read_text())
-    assert (told["complete"], told["stop_time"], told["real_time"]) == (False, stop_time, True)
-    told["stop_time"] = float(left.time[-1])
-    (folder / "run.json").write_text(json.dumps(told))
+    content = json.loads((folder / "run.json").read_text())
+    assert (content["complete"], content["stop_time"], content["real_time"]) == (False, stop_time, True)
+    content["stop_time"] = float(left.time[-1])
+    (folder / "run.json").write_text(json.dumps(content))
     code, out, _ = shell("rerun", "killed/run.json")
     assert code == 0
     assert "the first run was not complete, there is nothing to compare with" in out

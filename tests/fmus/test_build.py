@@ -37,7 +37,7 @@ def test_an_fmu_of_the_same_content_is_left_alone(fmus: Path):
     assert (fmus / "Shaker.fmu").stat().st_mtime_ns == before
 
 
-def test_a_broken_fmu_is_built_anew(fmus: Path, tmp_path: Path):
+def test_a_broken_fmu_is_built_again(fmus: Path, tmp_path: Path):
     (tmp_path / "Shaker.fmu").write_bytes(b"no archive")
     built = build_python_fmu(COMPONENTS[NAMES.index("Shaker")], EXPERIMENT, tmp_path)
     assert built.fresh
@@ -56,7 +56,7 @@ def test_the_guid_follows_the_sources(fmus: Path, tmp_path: Path, monkeypatch: p
 
 
 @pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.name)
-def test_description_says_what_is_declared(fmus: Path, component: Component):
+def test_description_agrees_with_the_declaration(fmus: Path, component: Component):
     description = fmpy.read_model_description(str(fmus / f"{component.name}.fmu"))
     assert description.generationDateAndTime is None
     assert description.coSimulation.canGetAndSetFMUstate
@@ -110,6 +110,7 @@ print("fine")
     assert run.stdout.strip() == "fine", run.stderr
 
 
+@pytest.mark.builds
 def test_a_failing_builder_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(BuildError, match="Shaker: pythonfmu ended with 1"):

@@ -1,4 +1,4 @@
-"""The complete API of the native FMUs, walked by a C program that a sanitizer or valgrind watches."""
+"""The complete API of the native FMUs, called by a C program under a sanitizer or valgrind."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.helpers.paths import NATIVE, ROOT
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wno-type-limits", "-Werror"]  # a model may have no inputs
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+pytestmark = [pytest.mark.builds, pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")]
 
 
 def test_program(flavour: str, component: Component, folder: Path, *options: str) -> Path:
@@ -63,12 +63,12 @@ def test_glue_compiles_without_any_warning(component: Component, flavour: str, t
     assert run.returncode == 0, run.stderr
 
 
-def test_the_walk_notices_a_broken_rule(tmp_path: Path):
-    """What the walk is worth: glue that lets a fixed parameter be set while stepping fails it."""
+def test_the_walk_detects_a_broken_rule(tmp_path: Path):
+    """Glue code that accepts a fixed parameter while stepping fails the walk."""
     component = COMPONENTS[0]
     program = test_program("fmi2", component, tmp_path)
     rules = (tmp_path / "instance.c").read_text(encoding="utf-8")
-    broken = rules.replace("it->phase != PHASE_STEPPING)", "true)")
+    broken = rules.replace("instance->phase != PHASE_STEPPING)", "true)")
     assert broken != rules
     (tmp_path / "instance.c").write_text(broken, encoding="utf-8")
     sources = ["controller.c", "fmi2.c", "instance.c", "paths.c"]

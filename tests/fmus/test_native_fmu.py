@@ -63,7 +63,7 @@ def test_fmpy_validate_finds_nothing(native: Path, flavour: str, component: Comp
 
 
 @each
-def test_description_says_what_is_declared(native: Path, flavour: str, component: Component):
+def test_description_agrees_with_the_declaration(native: Path, flavour: str, component: Component):
     description = fmpy.read_model_description(str(fmu(native, flavour, component)))
     assert description.fmiVersion == STANDARDS[flavour].version
     assert not description.coSimulation.needsExecutionTool
@@ -88,7 +88,7 @@ def test_description_says_what_is_declared(native: Path, flavour: str, component
                 assert (None if text is None else float(text)) == value, f"{attribute} of {found.name}"
 
 
-def test_the_controller_tells_its_internal_step_size(native: Path):
+def test_the_controller_declares_its_internal_step_size(native: Path):
     sizes = {
         component.name: fmpy.read_model_description(
             str(fmu(native, "fmi3", component))
@@ -464,7 +464,7 @@ EMULATORS = {
     [
         host_platform(),
         "aarch64-linux",
-        pytest.param("x86_64-windows", marks=pytest.mark.long),  # the compiler builds its C runtime anew: minutes
+        pytest.param("x86_64-windows", marks=pytest.mark.long),  # the compiler builds its C runtime first: minutes
     ],
 )
 def test_the_bump_is_the_same_in_a_c_host_on_every_platform(platform: str, native: Path, tmp_path: Path):
@@ -511,7 +511,7 @@ def test_builds_for_all_platforms_are_bit_identical(everywhere: Path, tmp_path: 
 
 
 @pytest.mark.long
-def test_a_wheel_gives_the_fmus_without_a_compiler(everywhere: Path, tmp_path: Path):
+def test_a_wheel_exports_the_fmus_without_a_compiler(everywhere: Path, tmp_path: Path):
     project = tmp_path / "project"
     kept = shutil.ignore_patterns(
         ".git", ".venv", "results", "*.egg-info", ".*_cache", "fmi2", "fmi3", "python", "built"

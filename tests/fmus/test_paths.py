@@ -22,14 +22,14 @@ def paths(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     return ctypes.CDLL(str(built))
 
 
-def resources(paths: ctypes.CDLL, told: str | None, size: int = 100) -> str:
+def resources(paths: ctypes.CDLL, location: str | None, size: int = 100) -> str:
     folder = ctypes.create_string_buffer(b"?" * size, size)
-    paths.path_of_resources(None if told is None else told.encode(), folder, ctypes.c_size_t(size))
+    paths.path_of_resources(None if location is None else location.encode(), folder, ctypes.c_size_t(size))
     return folder.value.decode()
 
 
 @pytest.mark.parametrize(
-    ("told", "folder"),
+    ("location", "folder"),
     [
         ("file:///tmp/fmu/resources", "/tmp/fmu/resources"),
         ("file:/tmp/fmu/resources", "/tmp/fmu/resources"),
@@ -50,8 +50,8 @@ def resources(paths: ctypes.CDLL, told: str | None, size: int = 100) -> str:
         ("file:///" + "x" * 100, ""),
     ],
 )
-def test_resources_are_found(paths: ctypes.CDLL, told: str | None, folder: str):
-    assert resources(paths, told) == folder
+def test_resources_are_found(paths: ctypes.CDLL, location: str | None, folder: str):
+    assert resources(paths, location) == folder
 
 
 @pytest.mark.parametrize(
@@ -74,6 +74,6 @@ def test_names_are_relative_to_the_resources(paths: ctypes.CDLL, folder: str, na
     assert found.value.decode() == path
 
 
-def test_a_uri_of_pathlib_comes_back(paths: ctypes.CDLL, tmp_path: Path):
+def test_a_uri_of_pathlib_gives_the_path(paths: ctypes.CDLL, tmp_path: Path):
     folder = tmp_path / "a b#c%d [ü]"
     assert resources(paths, folder.as_uri(), 1024) == str(folder)

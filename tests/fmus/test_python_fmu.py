@@ -176,10 +176,10 @@ def test_parameter_out_of_range_keeps_the_old_value(controller: Host):
     with pytest.raises(FMICallException):
         controller.step(0)
     assert "driver_mass: expected a value in [20.0, 250.0] kg, got 300.0" in controller.messages[-1]
-    controller.step(0)  # said once, then goes on with the old value
+    controller.step(0)  # reported once, then the old value is used
 
 
-def test_a_good_value_takes_back_a_bad_one(controller: Host):
+def test_a_legal_value_clears_the_error_of_an_illegal_one(controller: Host):
     controller.set(driver_mass=300.0)
     controller.set(driver_mass=60.0)
     controller.initialise()
@@ -187,7 +187,7 @@ def test_a_good_value_takes_back_a_bad_one(controller: Host):
 
 
 @pytest.mark.parametrize(("name", "what"), [("observer_gamma", "fixed parameter"), ("force", "discrete output")])
-def test_what_may_not_be_set_is_refused(controller: Host, name: str, what: str):
+def test_setting_a_fixed_or_calculated_variable_is_refused(controller: Host, name: str, what: str):
     controller.initialise()
     before = controller.get(name)
     controller.set(**{name: -1e-6})
@@ -235,7 +235,7 @@ def test_a_step_before_initialisation_is_refused(seat: Host):
     assert "got one while instantiated" in seat.messages[-1]
 
 
-def test_wrong_references_and_types_do_not_harm(controller: Host):
+def test_wrong_references_and_types_discard_one_step(controller: Host):
     assert np.isnan(controller.fmu.getReal([999])[0])
     assert controller.fmu.getInteger([1]) == [0]
     assert controller.fmu.getString([1]) == [b""]
@@ -274,7 +274,7 @@ def test_a_percent_sign_in_a_message_is_text(controller: Host):
 
 
 def test_many_instances_leave_the_host_as_it_was(fmus: Path):
-    """pythonfmu alone would crash here: see slave_script.py."""
+    """pythonfmu alone would crash here: see main_script.py."""
     script = f"""
 import shutil, sys
 import fmpy
@@ -309,7 +309,7 @@ def test_the_fmu_prints_nothing(fmus: Path, capfd: pytest.CaptureFixture[str], t
     assert capfd.readouterr() == ("", "")
 
 
-def test_two_versions_of_an_fmu_live_in_one_process(fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_two_versions_of_an_fmu_run_in_one_process(fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     import fmus.export.build as builder
 
     component = next(c for c in COMPONENTS if c.name == "Shaker")

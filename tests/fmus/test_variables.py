@@ -8,7 +8,7 @@ import pytest
 
 from fmus.component import Component
 from fmus.units import Dimension, dimension
-from fmus.variables import Quantity, Variable, input_, parameter, variables_of
+from fmus.variables import Quantity, VariableDeclaration, input_, parameter, variables_of
 from seat_cosim.components import COMPONENTS
 
 ALL = [variable for component in COMPONENTS for variable in component.variables]
@@ -72,7 +72,7 @@ def test_problem_names_variable_range_and_value():
 
 
 def test_contradicting_declarations_are_refused():
-    fine = Variable("x", "x", float, "input", "continuous", "exact", "An input", unit="m", start=0.0)
+    fine = VariableDeclaration("x", "x", float, "input", "continuous", "exact", "An input", unit="m", start=0.0)
     with pytest.raises(ValueError, match="not a legal combination"):
         replace(fine, variability="fixed")
     with pytest.raises(ValueError, match="expected a description"):

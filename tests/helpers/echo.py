@@ -1,4 +1,4 @@
-"""Build the FMU of ``native/echo.c``, for the tests of the master's loops."""
+"""Build the FMU of ``native/echo.c``, which copies inputs to outputs, for the tests of the steppers."""
 
 from __future__ import annotations
 
@@ -19,14 +19,27 @@ TYPES = {
 """Types of the variables ``in.TYPE`` and ``out.TYPE``, by major version of FMI."""
 
 FAULTS = ("none", "setting", "getting", "stepping", "ending", "early", "warning", "not a number", "slow")
-"""Values of the parameter ``fault``, from 0; most come to pass in the 51st step."""
+"""Values of the parameter ``fault``, from 0; most faults occur in the 51st step."""
 
 
 def build_echo(version: int, folder: Path) -> Path:
-    """Build it for a major version of FMI."""
+    """Build the FMU for a major version of FMI.
+
+    Parameters
+    ----------
+    version
+        Major version of FMI.
+    folder
+        Where the FMU is written.
+
+    Returns
+    -------
+    Path
+        The FMU.
+    """
     source = (SOURCES / "echo.c").read_text()
-    slave = {2: FMU2Slave, 3: FMU3Slave}[version]
-    names = [name for name in dir(slave) if name.startswith(f"fmi{version}")]
+    fmpy_class = {2: FMU2Slave, 3: FMU3Slave}[version]
+    names = [name for name in dir(fmpy_class) if name.startswith(f"fmi{version}")]
     source = f"#define FMI{version}\n{source}"
     written = re.sub(r"ACCESS\((\w+),", rf"fmi{version}Get\1( fmi{version}Set\1(", source)
     stubs = "".join(f"int {name}(void) {{ return 0; }}\n" for name in names if f"{name}(" not in written)

@@ -1,4 +1,4 @@
-"""Faulty FMUs: small, whole, real ones, compiled from ``native/faulty.c`` with the fault a test asks for."""
+"""FMUs with one fault each, compiled from ``native/faulty.c``."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from tests.helpers.paths import SOURCES
 SOURCE = SOURCES / "faulty.c"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 
-WHATS, WHERES = (
+FAULTS, CALLS = (
     re.sub(r"\s", "", found).split(",") for found in re.findall(r"enum \{([^}]*)\};", SOURCE.read_text())[:2]
 )
-"""Faults, and calls in which they strike, as the C file counts them."""
+"""Faults, and calls in which they occur, in the order of the enumerations of the C file."""
 
 DESCRIPTIONS = {
     2: """<?xml version="1.0" encoding="UTF-8"?>
@@ -54,34 +54,63 @@ DESCRIPTIONS = {
 }
 
 
-def compiler() -> list[str]:
-    """The system's compiler where there is one, as it starts faster, else zig."""
-    return ["gcc"] if which("gcc") else [sys.executable, "-m", "ziglang", "cc"]
+def compile_library(source: Path, library: Path, *options: str) -> None:
+    """Compile an FMU's library with gcc where it is installed, which starts faster, else with zig.
+
+    Parameters
+    ----------
+    source
+        The C file.
+    library
+        The library that is written.
+    *options
+        Further options of the compiler.
+    """
+    compiler = ["gcc"] if which("gcc") else [sys.executable, "-m", "ziglang", "cc"]
+    common = ["-std=gnu11", "-O1", "-g0", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-I{HEADERS}"]
+    subprocess.run([*compiler, *common, *options, source, "-o", library, "-lm"], check=True)
 
 
-def faulty_fmu(folder: Path, what: str = "ok", where: str = "step", fmi: int = 2) -> Path:
-    """Build an FMU that fails in one way; once only.
+def library_member(name: str, fmi: int) -> str:
+    """Return the path of a library for this platform in an FMU.
+
+    Parameters
+    ----------
+    name
+        Model identifier.
+    fmi
+        Major version of FMI.
+    """
+    platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
+    return f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}"
+
+
+def faulty_fmu(folder: Path, fault: str = "ok", call: str = "step", fmi: int = 2) -> Path:
+    """Build an FMU with one fault, unless it exists already.
 
     Parameters
     ----------
     folder
-        Where FMUs are kept.
-    what
-        Fault, one of :data:`WHATS`.
-    where
-        Call in which it strikes, one of :data:`WHERES`; those of stepping from the time ``strikes_at`` on.
+        Where the FMUs are written.
+    fault
+        One of :data:`FAULTS`.
+    call
+        Call in which the fault occurs, one of :data:`CALLS`; in steps, from the time of the parameter ``strikes_at``
+        on.
     fmi
-        Version of FMI.
+        Major version of FMI.
+
+    Returns
+    -------
+    Path
+        The FMU.
     """
-    path = folder / f"{what}-{where}-{fmi}.fmu"
+    path = folder / f"{fault}-{call}-{fmi}.fmu"
     if path.exists():
         return path
     library = path.with_suffix(fmpy.sharedLibraryExtension)
-    fault = [f"-DFMI={fmi}", f"-DWHAT={WHATS.index(what)}", f"-DWHERE={WHERES.index(where)}"]
-    options = ["-std=gnu11", "-O1", "-g0", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-I{HEADERS}"]
-    subprocess.run([*compiler(), *options, *fault, SOURCE, "-o", library, "-lm"], check=True)
-    platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
+    compile_library(SOURCE, library, f"-DFMI={fmi}", f"-DWHAT={FAULTS.index(fault)}", f"-DWHERE={CALLS.index(call)}")
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", DESCRIPTIONS[fmi])
-        archive.write(library, f"binaries/{platform}/faulty{fmpy.sharedLibraryExtension}")
+        archive.write(library, library_member("faulty", fmi))
     return path

@@ -1,19 +1,17 @@
-"""FMUs in the manner of the public reference models, compiled from ``native/reference_fmu.c``: good ones and faulty
-ones.
+"""FMUs like the public reference models, compiled from ``native/reference_fmu.c``, conforming or with one fault.
 
-The library is compiled once for each version of FMI; a fault is the name of it written into the library's bytes.
+The library is compiled once for each version of FMI. A fault is selected by writing its name into the library's bytes.
 """
 
 from __future__ import annotations
 
-import subprocess
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
 
-from tests.helpers.faulty import HEADERS, compiler
+from tests.helpers.faulty import compile_library, library_member
 from tests.helpers.paths import SOURCES
 
 SOURCE = SOURCES / "reference_fmu.c"
@@ -74,28 +72,28 @@ _TYPES = {
     3: '<TypeDefinitions><EnumerationType name="Option">{}</EnumerationType></TypeDefinitions>',
 }
 _ITEMS = '<Item name="one" value="1"/><Item name="two" value="2"/>'
-_ABLE = {2: "state", 3: "State"}
+_STATE = {2: "state", 3: "State"}
 
 
 def description(model: str, fmi: int) -> str:
-    """Write a model's description; in FMI 2 dependencies name places, in FMI 3 value references."""
+    """Return a model's description; dependencies are indices in FMI 2.0 and value references in FMI 3.0."""
     rows = {"dahlquist": _DAHLQUIST, "feedthrough": _FEEDTHROUGH, "stair": _STAIR}[model]
     rows += {2: _TEXT_2, 3: _MORE_3}[fmi] if model == "feedthrough" else ()
     place = {name: i if fmi == 2 else reference for i, (name, reference, *_) in enumerate(rows, 2)}
-    able = f'canHandleVariableCommunicationStepSize="true" canGetAndSetFMU{_ABLE[fmi]}="true"'
-    able += f' canSerializeFMU{_ABLE[fmi]}="true"' + (' fixedInternalStepSize="0.1"' if fmi == 3 else "")
+    capabilities = f'canHandleVariableCommunicationStepSize="true" canGetAndSetFMU{_STATE[fmi]}="true"'
+    capabilities += f' canSerializeFMU{_STATE[fmi]}="true"' + (' fixedInternalStepSize="0.1"' if fmi == 3 else "")
     token = f'{"guid" if fmi == 2 else "instantiationToken"}="{{{model}}}"'
     parts = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<fmiModelDescription fmiVersion="{fmi}.0" modelName="{model}" {token}>',
-        f'<CoSimulation modelIdentifier="reference" {able}/>',
+        f'<CoSimulation modelIdentifier="reference" {capabilities}/>',
         _UNITS if model == "dahlquist" else "",
         _TYPES[fmi].format(_ITEMS) if model == "feedthrough" else "",
         '<LogCategories><Category name="logStatusError"/></LogCategories>',
         '<DefaultExperiment startTime="0" stopTime="10" stepSize="0.1"/>',
         "<ModelVariables>",
         _variable(fmi, "time", 0, "Float64", "Real", 'causality="independent" variability="continuous"', ""),
-        *(_variable(fmi, *row[:5], _placed(row[5], place)) for row in rows),
+        *(_variable(fmi, *row[:5], _with_references(row[5], place)) for row in rows),
         "</ModelVariables>",
         *_structure(fmi, rows, place),
         "</fmiModelDescription>",
@@ -103,7 +101,7 @@ def description(model: str, fmi: int) -> str:
     return "\n".join(part for part in parts if part) + "\n"
 
 
-def _placed(text: str, place: dict[str, int]) -> str:
+def _with_references(text: str, place: dict[str, int]) -> str:
     return text.replace("@1", str(place.get("x", 0))).replace("%Option", 'declaredType="Option"')
 
 
@@ -118,7 +116,7 @@ def _variable(fmi: int, name: str, reference: int, kind3: str, kind2: str, outer
 
 
 def _structure(fmi: int, rows: tuple[tuple[str, int, str, str, str, str], ...], place: dict[str, int]) -> list[str]:
-    """List outputs with what they depend on, the derivative, and what is calculated at the start."""
+    """Return the model structure: outputs and their dependencies, derivatives, initial unknowns."""
     names = [row[0] for row in rows]
     found: dict[str, list[str]] = {"Output": [], "Derivative": [], "InitialUnknown": []}
     key = "index" if fmi == 2 else "valueReference"
@@ -144,18 +142,23 @@ def _structure(fmi: int, rows: tuple[tuple[str, int, str, str, str, str], ...], 
     return ["<ModelStructure>", *listed, "</ModelStructure>"]
 
 
-class Workshop:
-    """Makes reference FMUs in a folder; compiles what is not there yet."""
+class ReferenceFmus:
+    """Builds reference FMUs in a folder; compiles each library once.
+
+    Parameters
+    ----------
+    folder
+        Where the files are written.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
     def library(self, fmi: int) -> bytes:
-        """The compiled library."""
+        """Return the bytes of the library for a major version of FMI."""
         path = self.folder / f"reference{fmi}{fmpy.sharedLibraryExtension}"
         if not path.exists():
-            options = ["-std=gnu11", "-O1", "-g0", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-I{HEADERS}"]
-            subprocess.run([*compiler(), *options, f"-DFMI={fmi}", SOURCE, "-o", path, "-lm"], check=True)
+            compile_library(SOURCE, path, f"-DFMI={fmi}")
         return path.read_bytes()
 
     def make(
@@ -167,25 +170,31 @@ class Workshop:
         binary: Callable[[bytes], bytes] = lambda content: content,
         archive: Callable[[dict[str, bytes]], dict[str, bytes]] = lambda members: members,
     ) -> Path:
-        """Make an FMU.
+        """Build an FMU.
 
         Parameters
         ----------
-        model, fmi
-            Which of :data:`MODELS`, and the version.
+        model
+            One of :data:`MODELS`.
+        fmi
+            Major version of FMI.
         fault
-            Built into the library.
+            Name of the library's fault.
         xml, binary, archive
-            Change the description, the library, the archive's members.
+            Functions that change the description, the library and the archive's members.
+
+        Returns
+        -------
+        Path
+            The FMU.
         """
         library = self.library(fmi)
         at = library.index(MARKER) + len(MARKER)
         library = library[:at] + fault.encode().ljust(20) + library[at + 20 :]
-        platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
         members = archive(
             {
                 "modelDescription.xml": xml(description(model, fmi)).encode(),
-                f"binaries/{platform}/reference{fmpy.sharedLibraryExtension}": binary(library),
+                library_member("reference", fmi): binary(library),
             }
         )
         path = self.folder / f"{model}{fmi}-{len(list(self.folder.iterdir()))}.fmu"

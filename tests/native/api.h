@@ -14,10 +14,10 @@ typedef int Code; /* 0 ok, 1 warning, 3 error in both standards */
 typedef struct {
     int warnings, errors;
     char last[1024];
-} Journal;
+} MessageLog;
 
-Fmu make(const char *name, const char *token, bool logging, Journal *journal);
-Fmu make_of_another_kind(Journal *journal);
+Fmu make(const char *name, const char *token, bool logging, MessageLog *messages);
+Fmu make_of_another_kind(MessageLog *messages);
 Fmu make_without_logger(void);
 void discard(Fmu fmu);
 

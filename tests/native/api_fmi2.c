@@ -6,38 +6,38 @@
 #include <stdio.h>
 #include <string.h>
 
-static void listen(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
-                   fmi2String message, ...)
+static void log_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
+                        fmi2String message, ...)
 {
-    Journal *journal = environment;
+    MessageLog *messages = environment;
     va_list arguments;
     (void)name, (void)category;
-    journal->warnings += status == fmi2Warning;
-    journal->errors += status == fmi2Error;
+    messages->warnings += status == fmi2Warning;
+    messages->errors += status == fmi2Error;
     va_start(arguments, message);
-    vsnprintf(journal->last, sizeof journal->last, message, arguments);
+    vsnprintf(messages->last, sizeof messages->last, message, arguments);
     va_end(arguments);
 }
 
-static Fmu make_type(const char *name, const char *token, bool logging, Journal *journal, fmi2Type type)
+static Fmu make_type(const char *name, const char *token, bool logging, MessageLog *messages, fmi2Type type)
 {
-    const fmi2CallbackFunctions callbacks = {listen, NULL, NULL, NULL, journal};
+    const fmi2CallbackFunctions callbacks = {log_message, NULL, NULL, NULL, messages};
     return fmi2Instantiate(name, type, token, NULL, &callbacks, fmi2False, logging);
 }
 
-Fmu make(const char *name, const char *token, bool logging, Journal *journal)
+Fmu make(const char *name, const char *token, bool logging, MessageLog *messages)
 {
-    return make_type(name, token, logging, journal, fmi2CoSimulation);
+    return make_type(name, token, logging, messages, fmi2CoSimulation);
 }
 
-Fmu make_of_another_kind(Journal *journal)
+Fmu make_of_another_kind(MessageLog *messages)
 {
-    return make_type("it", MODEL_TOKEN, true, journal, fmi2ModelExchange);
+    return make_type("instance", MODEL_TOKEN, true, messages, fmi2ModelExchange);
 }
 
 Fmu make_without_logger(void)
 {
-    return fmi2Instantiate("it", fmi2CoSimulation, MODEL_TOKEN, NULL, NULL, fmi2False, fmi2True);
+    return fmi2Instantiate("instance", fmi2CoSimulation, MODEL_TOKEN, NULL, NULL, fmi2False, fmi2True);
 }
 
 void discard(Fmu fmu)
@@ -196,8 +196,8 @@ int call_unsupported(Fmu fmu, int *not_refused)
 
 int check_particulars(void)
 {
-    Journal journal = {0};
-    Fmu fmu = make("it", MODEL_TOKEN, true, &journal);
+    MessageLog messages = {0};
+    Fmu fmu = make("instance", MODEL_TOKEN, true, &messages);
     double time = -1.0;
     fmi2Boolean ended = fmi2True;
     int failures = strcmp(fmi2GetVersion(), "2.0") != 0;

@@ -5,38 +5,40 @@
 #include <stdio.h>
 #include <string.h>
 
-static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message)
+static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message)
 {
-    Journal *journal = environment;
+    MessageLog *messages = environment;
     (void)category;
-    journal->warnings += status == fmi3Warning;
-    journal->errors += status == fmi3Error;
-    snprintf(journal->last, sizeof journal->last, "%s", message);
+    messages->warnings += status == fmi3Warning;
+    messages->errors += status == fmi3Error;
+    snprintf(messages->last, sizeof messages->last, "%s", message);
 }
 
-static Fmu make_with(const char *name, const char *token, bool logging, Journal *journal, bool events, size_t updates)
+static Fmu make_with(const char *name, const char *token, bool logging, MessageLog *messages, bool events,
+                     size_t updates)
 {
     const fmi3ValueReference required[1] = {0};
-    return fmi3InstantiateCoSimulation(name, token, NULL, false, logging, events, false, required, updates, journal,
-                                       journal == NULL ? NULL : listen, NULL);
+    return fmi3InstantiateCoSimulation(name, token, NULL, false, logging, events, false, required, updates, messages,
+                                       messages == NULL ? NULL : log_message, NULL);
 }
 
-Fmu make(const char *name, const char *token, bool logging, Journal *journal)
+Fmu make(const char *name, const char *token, bool logging, MessageLog *messages)
 {
-    return make_with(name, token, logging, journal, false, 0);
+    return make_with(name, token, logging, messages, false, 0);
 }
 
-Fmu make_of_another_kind(Journal *journal)
+Fmu make_of_another_kind(MessageLog *messages)
 {
-    Fmu me = fmi3InstantiateModelExchange("it", MODEL_TOKEN, NULL, false, true, journal, listen);
-    Fmu se = fmi3InstantiateScheduledExecution("it", MODEL_TOKEN, NULL, false, true, journal, listen, NULL, NULL, NULL);
-    Fmu update = make_with("it", MODEL_TOKEN, true, journal, false, 1);
+    Fmu me = fmi3InstantiateModelExchange("instance", MODEL_TOKEN, NULL, false, true, messages, log_message);
+    Fmu se = fmi3InstantiateScheduledExecution("instance", MODEL_TOKEN, NULL, false, true, messages, log_message, NULL,
+                                               NULL, NULL);
+    Fmu update = make_with("instance", MODEL_TOKEN, true, messages, false, 1);
     return me != NULL ? me : se != NULL ? se : update;
 }
 
 Fmu make_without_logger(void)
 {
-    return make_with("it", MODEL_TOKEN, true, NULL, false, 0);
+    return make_with("instance", MODEL_TOKEN, true, NULL, false, 0);
 }
 
 void discard(Fmu fmu)
@@ -235,14 +237,14 @@ int call_unsupported(Fmu fmu, int *not_refused)
 
 int check_particulars(void)
 {
-    Journal journal = {0};
+    MessageLog messages = {0};
     const uint32_t r[2] = {0, 0};
     double x[2], reached = 0.0;
     bool event, terminate, early;
     int failures = strcmp(fmi3GetVersion(), "3.0") != 0;
-    failures += make_with("it", MODEL_TOKEN, true, &journal, true, 0) != NULL;
-    failures += journal.errors != 1 || strstr(journal.last, "event mode") == NULL;
-    Fmu fmu = make("it", MODEL_TOKEN, true, &journal);
+    failures += make_with("instance", MODEL_TOKEN, true, &messages, true, 0) != NULL;
+    failures += messages.errors != 1 || strstr(messages.last, "event mode") == NULL;
+    Fmu fmu = make("instance", MODEL_TOKEN, true, &messages);
     failures += fmi3GetFloat64(fmu, r, 2, x, 1) != fmi3Error;
     failures += fmi3SetFloat64(fmu, r, 1, x, 2) != fmi3Error;
     failures += fmi3GetFloat32(fmu, NULL, 0, NULL, 0) != fmi3OK;

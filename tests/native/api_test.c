@@ -10,12 +10,12 @@
 static const Variable variables[VARIABLE_COUNT] = {MODEL_VARIABLES};
 static int failures;
 
-#define CHECK(condition)                                                       \
-    do {                                                                       \
-        if (!(condition)) {                                                    \
-            printf("line %d: %s\n", __LINE__, #condition);                     \
-            ++failures;                                                        \
-        }                                                                      \
+#define CHECK(condition)                                   \
+    do {                                                   \
+        if (!(condition)) {                                \
+            printf("line %d: %s\n", __LINE__, #condition); \
+            ++failures;                                    \
+        }                                                  \
     } while (0)
 
 enum { OK, WARNING, DISCARD, ERROR };
@@ -41,9 +41,9 @@ static Code set_one(Fmu fmu, uint32_t reference, double value)
     return set(fmu, variables[reference].type, &reference, 1, &value);
 }
 
-static Fmu make_in(int phase, Journal *journal)
+static Fmu make_in(int phase, MessageLog *messages)
 {
-    Fmu fmu = make("it", MODEL_TOKEN, true, journal);
+    Fmu fmu = make("instance", MODEL_TOKEN, true, messages);
     CHECK(fmu != NULL);
     if (phase >= INITIALISING) {
         CHECK(begin(fmu, 0.0) == OK);
@@ -101,13 +101,13 @@ static void null_instances_are_refused(void)
 
 static void wrong_instantiations_are_refused(void)
 {
-    Journal journal = {0};
-    CHECK(make("it", "{another}", true, &journal) == NULL && strstr(journal.last, "got {another}") != NULL);
-    CHECK(make("it", NULL, true, &journal) == NULL && make(NULL, MODEL_TOKEN, true, &journal) == NULL);
-    CHECK(make("", MODEL_TOKEN, true, &journal) == NULL && make_of_another_kind(&journal) == NULL);
-    CHECK(journal.errors >= 5);
-    journal.errors = 0;
-    CHECK(make("it", "{another}", false, &journal) == NULL && journal.errors == 0);
+    MessageLog messages = {0};
+    CHECK(make("instance", "{another}", true, &messages) == NULL && strstr(messages.last, "got {another}") != NULL);
+    CHECK(make("instance", NULL, true, &messages) == NULL && make(NULL, MODEL_TOKEN, true, &messages) == NULL);
+    CHECK(make("", MODEL_TOKEN, true, &messages) == NULL && make_of_another_kind(&messages) == NULL);
+    CHECK(messages.errors >= 5);
+    messages.errors = 0;
+    CHECK(make("instance", "{another}", false, &messages) == NULL && messages.errors == 0);
     Fmu fmu = make_without_logger();
     CHECK(fmu != NULL && step(fmu, 0.0, h) == ERROR);
     discard(fmu);
@@ -125,20 +125,20 @@ static void calls_are_legal_in_their_states_only(void)
         {reset, {true, true, true, true}},
     };
     for (int phase = INSTANTIATED; phase < PHASES; ++phase) {
-        Journal journal = {0};
+        MessageLog messages = {0};
         double outputs[OUTPUT_COUNT];
         int not_refused = 0;
-        Fmu fmu = make_in(phase, &journal);
+        Fmu fmu = make_in(phase, &messages);
         const int count = call_unsupported(fmu, &not_refused);
-        CHECK(not_refused == 0 && journal.errors == count);
+        CHECK(not_refused == 0 && messages.errors == count);
         CHECK((step(fmu, 0.0, h) == OK) == (phase == STEPPING));
         CHECK(get(fmu, TYPE_REAL, &(uint32_t){FIRST_OUTPUT}, 1, outputs) == OK);
         discard(fmu);
-        fmu = make_in(phase, &journal);
+        fmu = make_in(phase, &messages);
         CHECK((begin(fmu, 0.0) == OK) == (phase == INSTANTIATED));
         discard(fmu);
         for (size_t i = 0; i < sizeof calls / sizeof *calls; ++i) {
-            fmu = make_in(phase, &journal);
+            fmu = make_in(phase, &messages);
             CHECK((calls[i].call(fmu) == OK) == calls[i].legal[phase]);
             discard(fmu);
         }
@@ -154,8 +154,8 @@ static bool settable(const Variable *v, int phase)
 static void every_variable_can_be_read_and_is_guarded(void)
 {
     for (int phase = INSTANTIATED; phase < PHASES; ++phase) {
-        Journal journal = {0};
-        Fmu fmu = make_in(phase, &journal);
+        MessageLog messages = {0};
+        Fmu fmu = make_in(phase, &messages);
         for (uint32_t i = 0; i < VARIABLE_COUNT; ++i) {
             const Variable *v = &variables[i];
             const bool parameter = v->causality == CAUSALITY_PARAMETER;
@@ -174,7 +174,7 @@ static void every_variable_can_be_read_and_is_guarded(void)
             }
             if (parameter && v->type == TYPE_REAL) {
                 CHECK(set_one(fmu, i, NAN) == ERROR && set_one(fmu, i, INFINITY) == ERROR);
-                CHECK(strstr(journal.last, v->name) != NULL || phase == TERMINATED);
+                CHECK(strstr(messages.last, v->name) != NULL || phase == TERMINATED);
             }
             for (int type = TYPE_REAL; type <= TYPE_INTEGER; ++type) {
                 CHECK((get(fmu, (Type)type, &i, 1, &after) == OK) == (v->type == (Type)type));
@@ -198,22 +198,22 @@ static void every_variable_can_be_read_and_is_guarded(void)
 
 static void texts_are_kept_and_guarded(void)
 {
-    char longest[LONGEST_TEXT + 2];
+    char longest[MAX_TEXT_SIZE + 2];
     memset(longest, 'x', sizeof longest);
-    longest[LONGEST_TEXT + 1] = '\0';
+    longest[MAX_TEXT_SIZE + 1] = '\0';
     for (uint32_t i = 0; i < VARIABLE_COUNT; ++i) {
-        Journal journal = {0};
+        MessageLog messages = {0};
         const char *text = NULL;
-        char start[LONGEST_TEXT + 1];
+        char start[MAX_TEXT_SIZE + 1];
         void *state = NULL;
         double number;
         if (variables[i].type != TYPE_TEXT) {
             continue;
         }
-        Fmu fmu = make_in(INSTANTIATED, &journal);
+        Fmu fmu = make_in(INSTANTIATED, &messages);
         CHECK(get_text(fmu, i, &text) == OK && *text != '\0');
         strcpy(start, text);
-        CHECK(set_text(fmu, i, longest) == ERROR && strstr(journal.last, variables[i].name) != NULL);
+        CHECK(set_text(fmu, i, longest) == ERROR && strstr(messages.last, variables[i].name) != NULL);
         CHECK(set_text(fmu, i, NULL) == ERROR && get_text(fmu, i, &text) == OK && strcmp(text, start) == 0);
         CHECK(set_text(fmu, i, longest + 1) == OK && get_text(fmu, i, &text) == OK && strcmp(text, longest + 1) == 0);
         CHECK(set_text(fmu, i, "/a b/%n.csv") == OK && get_text(fmu, i, &text) == OK);
@@ -235,24 +235,25 @@ static void texts_are_kept_and_guarded(void)
 static void steps_refuse_what_is_wrong_and_leave_everything(void)
 {
     const double times[][2] = {{1.0, h}, {NAN, h}, {0.0, 0.0}, {0.0, -h}, {0.0, NAN}, {0.0, INFINITY}, {0.0, 1e9}};
-    Journal journal = {0};
+    MessageLog messages = {0};
     double first[OUTPUT_COUNT], second[OUTPUT_COUNT], time = 0.0;
-    Fmu straight = make_in(STEPPING, &journal), fmu = make_in(STEPPING, &journal);
+    Fmu straight = make_in(STEPPING, &messages), fmu = make_in(STEPPING, &messages);
     for (size_t i = 0; i < sizeof times / sizeof *times; ++i) {
         CHECK(step(fmu, times[i][0], times[i][1]) == ERROR);
     }
     for (uint32_t i = FIRST_INPUT; i < FIRST_INPUT + INPUT_COUNT; ++i) {
         CHECK(set_one(fmu, i, i % 2 ? NAN : INFINITY) == OK && step(fmu, 0.0, h) == ERROR);
-        CHECK(strstr(journal.last, variables[i].name) != NULL && strstr(journal.last, "t = 0 s") != NULL);
+        CHECK(strstr(messages.last, variables[i].name) != NULL && strstr(messages.last, "t = 0 s") != NULL);
         CHECK(set_one(fmu, i, 0.0) == OK);
     }
     CHECK(drive(straight, 1, 0, first) == OK && drive(fmu, 1, 0, second) == OK && same(first, second));
     CHECK(get_one(fmu, 0, &time) == OK && time == h);
     discard(fmu);
-    fmu = make_in(INSTANTIATED, &journal);
+    fmu = make_in(INSTANTIATED, &messages);
     CHECK(begin(fmu, NAN) == ERROR && begin(fmu, 1e300) == ERROR && begin(fmu, -5.0) == OK);
     if (INPUT_COUNT > 0) {
-        CHECK(set_one(fmu, FIRST_INPUT, NAN) == OK && get_one(fmu, FIRST_OUTPUT, first) == WARNING && end(fmu) == ERROR);
+        CHECK(set_one(fmu, FIRST_INPUT, NAN) == OK && get_one(fmu, FIRST_OUTPUT, first) == WARNING &&
+              end(fmu) == ERROR);
         CHECK(set_one(fmu, FIRST_INPUT, 0.0) == OK);
     }
     CHECK(end(fmu) == OK && step(fmu, -5.0, h) == OK);
@@ -263,12 +264,12 @@ static void steps_refuse_what_is_wrong_and_leave_everything(void)
 static void logging_obeys(void)
 {
     const char *const warnings[] = {"logStatusWarning"}, *const all[] = {"logAll"}, *const wrong[] = {"gossip", NULL};
-    Journal journal = {0};
-    Fmu fmu = make_in(INSTANTIATED, &journal);
-    CHECK(set_logging(fmu, true, 1, warnings) == OK && step(fmu, 0.0, h) == ERROR && journal.errors == 0);
-    CHECK(set_logging(fmu, true, 1, all) == OK && step(fmu, 0.0, h) == ERROR && journal.errors == 1);
-    CHECK(set_logging(fmu, false, 0, NULL) == OK && step(fmu, 0.0, h) == ERROR && journal.errors == 1);
-    CHECK(set_logging(fmu, true, 0, NULL) == OK && step(fmu, 0.0, h) == ERROR && journal.errors == 2);
+    MessageLog messages = {0};
+    Fmu fmu = make_in(INSTANTIATED, &messages);
+    CHECK(set_logging(fmu, true, 1, warnings) == OK && step(fmu, 0.0, h) == ERROR && messages.errors == 0);
+    CHECK(set_logging(fmu, true, 1, all) == OK && step(fmu, 0.0, h) == ERROR && messages.errors == 1);
+    CHECK(set_logging(fmu, false, 0, NULL) == OK && step(fmu, 0.0, h) == ERROR && messages.errors == 1);
+    CHECK(set_logging(fmu, true, 0, NULL) == OK && step(fmu, 0.0, h) == ERROR && messages.errors == 2);
     CHECK(set_logging(fmu, true, 1, wrong) == ERROR && set_logging(fmu, true, 1, wrong + 1) == ERROR);
     CHECK(set_logging(fmu, true, 1, NULL) == ERROR);
     discard(fmu);
@@ -276,9 +277,9 @@ static void logging_obeys(void)
 
 static void reset_is_as_good_as_new(void)
 {
-    Journal journal = {0};
+    MessageLog messages = {0};
     double first[OUTPUT_COUNT], second[OUTPUT_COUNT];
-    Fmu fmu = make_in(STEPPING, &journal), fresh = make_in(STEPPING, &journal);
+    Fmu fmu = make_in(STEPPING, &messages), fresh = make_in(STEPPING, &messages);
     for (unsigned k = 0; k < 10; ++k) {
         CHECK(drive(fmu, 9, k, first) == OK);
     }
@@ -293,11 +294,11 @@ static void reset_is_as_good_as_new(void)
 /* Round trips through memory and bytes, into this instance and another, at times that a seed chooses. */
 static void states_continue_bit_identically(unsigned seed)
 {
-    Journal journal = {0};
+    MessageLog messages = {0};
     double expected[OUTPUT_COUNT], found[OUTPUT_COUNT];
     void *state = NULL;
     size_t size = 0;
-    Fmu straight = make_in(STEPPING, &journal), one = make_in(STEPPING, &journal), other = make_in(0, &journal);
+    Fmu straight = make_in(STEPPING, &messages), one = make_in(STEPPING, &messages), other = make_in(0, &messages);
     for (unsigned k = 0; k < 200; ++k) {
         const double choice = noise(seed, k);
         if (choice > 0.8) { /* a detour that is undone */
@@ -317,7 +318,8 @@ static void states_continue_bit_identically(unsigned seed)
         }
         CHECK(drive(straight, seed, k, expected) == OK && drive(one, seed, k, found) == OK && same(expected, found));
     }
-    CHECK(free_state(one, &state) == OK && state == NULL && free_state(one, &state) == OK && free_state(one, NULL) == OK);
+    CHECK(free_state(one, &state) == OK && state == NULL && free_state(one, &state) == OK &&
+          free_state(one, NULL) == OK);
     discard(straight);
     discard(one);
     discard(other);
@@ -325,10 +327,10 @@ static void states_continue_bit_identically(unsigned seed)
 
 static void foreign_bytes_are_refused(void)
 {
-    Journal journal = {0};
+    MessageLog messages = {0};
     void *state = NULL, *restored = NULL;
     size_t size = 0;
-    Fmu fmu = make_in(STEPPING, &journal);
+    Fmu fmu = make_in(STEPPING, &messages);
     CHECK(get_state(fmu, NULL) == ERROR && set_state(fmu, NULL) == ERROR && state_size(fmu, NULL, &size) == ERROR);
     CHECK(get_state(fmu, &state) == OK && state_size(fmu, state, NULL) == ERROR && state_size(fmu, state, &size) == OK);
     char *bytes = malloc(size + 1);
@@ -354,8 +356,8 @@ enum { THREADS = 4, STEPS = 2000 };
 
 static void *run_alone(void *outputs)
 {
-    Journal journal = {0};
-    Fmu fmu = make_in(STEPPING, &journal);
+    MessageLog messages = {0};
+    Fmu fmu = make_in(STEPPING, &messages);
     for (unsigned k = 0; k < STEPS; ++k) {
         CHECK(drive(fmu, 3, k, outputs) == OK);
     }

@@ -1,5 +1,5 @@
-/* A small host: the bump with three FMI 2.0 FMUs in the order controller, seat, shaker. Prints the driver's acceleration
- * at every communication point. Libraries, GUIDs and value references stand in ports.h. */
+/* A small host: the bump with three FMI 2.0 FMUs in the order controller, seat, shaker. Prints the driver's
+ * acceleration at every communication point. Libraries, GUIDs and value references stand in ports.h. */
 #include "fmi2Functions.h"
 #include "ports.h"
 
@@ -40,8 +40,8 @@ static Function find(const char *library, const char *name)
 #endif
 }
 
-static void say(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
-                fmi2String message, ...)
+static void log_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
+                        fmi2String message, ...)
 {
     (void)environment, (void)status, (void)category;
     printf("%s: %s\n", name, message);
@@ -49,11 +49,11 @@ static void say(fmi2ComponentEnvironment environment, fmi2String name, fmi2Statu
 
 static Fmu start(const char *library, const char *guid)
 {
-    static const fmi2CallbackFunctions callbacks = {say, NULL, NULL, NULL, NULL};
+    static const fmi2CallbackFunctions callbacks = {log_message, NULL, NULL, NULL, NULL};
     Fmu fmu;
     fmi2InstantiateTYPE *instantiate = (fmi2InstantiateTYPE *)find(library, "fmi2Instantiate");
     demand(instantiate != NULL, library);
-    fmu.component = instantiate("it", fmi2CoSimulation, guid, "", &callbacks, fmi2False, fmi2True);
+    fmu.component = instantiate("instance", fmi2CoSimulation, guid, "", &callbacks, fmi2False, fmi2True);
     demand(fmu.component != NULL, "instantiate");
     fmu.get = (fmi2GetRealTYPE *)find(library, "fmi2GetReal");
     fmu.set = (fmi2SetRealTYPE *)find(library, "fmi2SetReal");
@@ -84,7 +84,8 @@ int main(void)
                                             Shaker_floor_acceleration};
     const fmi2ValueReference floor_in[] = {SeatPlant_floor_displacement, SeatPlant_floor_velocity,
                                            SeatPlant_floor_acceleration};
-    const fmi2ValueReference sensed[] = {SeatPlant_seat_acceleration_measured, SeatPlant_suspension_deflection_measured};
+    const fmi2ValueReference sensed[] = {SeatPlant_seat_acceleration_measured,
+                                         SeatPlant_suspension_deflection_measured};
     const fmi2ValueReference felt[] = {SeatController_seat_acceleration, SeatController_suspension_deflection};
     const fmi2ValueReference force_out[] = {SeatController_force}, force_in[] = {SeatPlant_force};
     const fmi2ValueReference driver[] = {SeatPlant_driver_acceleration};

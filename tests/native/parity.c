@@ -33,8 +33,8 @@ int parity_advance(size_t count, double *values, double *states, const double *t
 }
 
 /* The same for the start of a run. */
-int parity_initial(size_t count, double *values, double *states, const double *times, const double *steps,
-                   unsigned char *refused)
+int parity_initialize(size_t count, double *values, double *states, const double *times, const double *steps,
+                      unsigned char *refused)
 {
     int refusals = 0;
     (void)steps;
@@ -48,7 +48,7 @@ int parity_initial(size_t count, double *values, double *states, const double *t
         refused[i] = model_prepare(&parameters, &coefficients) != NULL;
         refusals += refused[i];
         if (!refused[i]) {
-            model_initial(&state, &inputs, &coefficients, times[i], &outputs);
+            model_initialize(&state, &inputs, &coefficients, times[i], &outputs);
             model_pack(&state, states + i * STATE_COUNT);
             model_store_outputs(&outputs, row);
             model_release(&coefficients);

@@ -1,5 +1,5 @@
-/* The random floor through the functions of FMI 2: class, seed and number of steps of 2 ms from the command line; writes
- * the acceleration after each step as a double to the standard output. */
+/* The random floor through the functions of FMI 2: class, seed and number of steps of 2 ms from the command line;
+ * writes the acceleration after each step as a double to the standard output. */
 #include "component.h"
 #include "fmi2Functions.h"
 
@@ -27,7 +27,8 @@ int main(int count, char *words[])
     const fmi2ValueReference out[] = {reference("floor_acceleration")};
     const fmi2Integer values[] = {RANDOM, atoi(words[1]), atoi(words[2])};
     const long steps = atol(words[count - 1]);
-    const fmi2Component fmu = fmi2Instantiate("it", fmi2CoSimulation, MODEL_TOKEN, "", NULL, fmi2False, fmi2False);
+    const fmi2Component fmu =
+        fmi2Instantiate("instance", fmi2CoSimulation, MODEL_TOKEN, "", NULL, fmi2False, fmi2False);
     if (fmi2SetInteger(fmu, in, 3, values) != fmi2OK || fmi2EnterInitializationMode(fmu) != fmi2OK ||
         fmi2ExitInitializationMode(fmu) != fmi2OK) {
         return 1;

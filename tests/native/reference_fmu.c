@@ -68,31 +68,31 @@ static const double internal_step = 0.1;
 static int alive; /* instances */
 static void *volatile leaked;
 
-static Status fail(const Model *it, const char *message)
+static Status fail(const Model *instance, const char *message)
 {
 #if FMI == 2
-    it->host->logger(it->environment, it->name, fmi2Error, "logStatusError", "%s", message);
+    instance->host->logger(instance->environment, instance->name, fmi2Error, "logStatusError", "%s", message);
 #else
-    it->log(it->environment, fmi3Error, "logStatusError", message);
+    instance->log(instance->environment, fmi3Error, "logStatusError", message);
 #endif
     return F(Error);
 }
 
-static void start_values(Model *it)
+static void start_values(Model *instance)
 {
-    State *s = &it->state;
+    State *s = &instance->state;
     memset(s, 0, sizeof *s);
     s->numbers[X] = s->numbers[K] = 1.0;
     s->numbers[BOUNDED] = 2.0;
     s->numbers[COUNTER] = s->numbers[20] = s->numbers[21] = 1.0;
     strcpy(s->texts[0], "Set me!");
     memcpy(s->bytes[0], "foo", s->lengths[0] = 3);
-    it->stop_time = INFINITY;
+    instance->stop_time = INFINITY;
 }
 
-static void update(Model *it)
+static void update(Model *instance)
 {
-    State *s = &it->state;
+    State *s = &instance->state;
     double *v = s->numbers;
     v[DER_X] = -v[K] * v[X];
     for (int i = FIRST_INPUT; i <= LAST_INPUT; i += 2)
@@ -106,21 +106,21 @@ static void update(Model *it)
         v[11] = 1e6;
 }
 
-static void internal_steps(Model *it, double until)
+static void internal_steps(Model *instance, double until)
 {
-    double *v = it->state.numbers;
+    double *v = instance->state.numbers;
     while (v[TIME] + internal_step / 2 < until) {
-        update(it);
+        update(instance);
         v[X] += internal_step * (v[DER_X] + v[10]);
         v[TIME] = internal_step * round(v[TIME] / internal_step + 1.0);
-        if (it->stair && v[TIME] + 1e-9 >= v[COUNTER])
+        if (instance->stair && v[TIME] + 1e-9 >= v[COUNTER])
             v[COUNTER] += 1.0;
     }
 }
 
 /* ---- what the standards share ------------------------------------------------------------------------------------ */
 
-static void leave_behind(Model *it)
+static void leave_behind(Model *instance)
 {
     char path[300];
     if (faulty("stdout"))
@@ -130,7 +130,7 @@ static void leave_behind(Model *it)
     if (faulty("file"))
         fclose(fopen("left.txt", "w"));
     if (faulty("resource")) {
-        snprintf(path, sizeof path, "%s/left.txt", it->resources);
+        snprintf(path, sizeof path, "%s/left.txt", instance->resources);
         fclose(fopen(path, "w"));
     }
     if (faulty("chdir") && chdir("/") != 0)
@@ -153,55 +153,56 @@ static Model *make(const char *name, const char *token, const char *resources)
         model++;
     if (model == 3 && !faulty("token"))
         return NULL;
-    Model *it = calloc(1, sizeof *it);
-    snprintf(it->name, TEXT, "%s", name);
-    snprintf(it->resources, sizeof it->resources, "%s", strncmp(resources, "file://", 7) ? resources : resources + 7);
-    it->stair = model == 2;
-    start_values(it);
-    leave_behind(it);
+    Model *instance = calloc(1, sizeof *instance);
+    snprintf(instance->name, TEXT, "%s", name);
+    snprintf(instance->resources, sizeof instance->resources, "%s",
+             strncmp(resources, "file://", 7) ? resources : resources + 7);
+    instance->stair = model == 2;
+    start_values(instance);
+    leave_behind(instance);
     alive++;
-    return it;
+    return instance;
 }
 
-static Status enter(Model *it, double start, double stop)
+static Status enter(Model *instance, double start, double stop)
 {
-    if (it->state.phase != INSTANTIATED && !faulty("order"))
-        return fail(it, "initialisation: out of order");
-    it->state.phase = INITIALISING;
-    it->state.numbers[TIME] = start;
-    it->stop_time = stop;
+    if (instance->state.phase != INSTANTIATED && !faulty("order"))
+        return fail(instance, "initialisation: out of order");
+    instance->state.phase = INITIALISING;
+    instance->state.numbers[TIME] = start;
+    instance->stop_time = stop;
     return F(OK);
 }
 
-static Status leave(Model *it)
+static Status leave(Model *instance)
 {
-    if (faulty("order_crash") && it->state.phase != INITIALISING)
+    if (faulty("order_crash") && instance->state.phase != INITIALISING)
         abort();
-    if (it->state.phase != INITIALISING && !faulty("order"))
-        return fail(it, "end of initialisation: out of order");
-    it->state.phase = STEPPING;
-    update(it);
+    if (instance->state.phase != INITIALISING && !faulty("order"))
+        return fail(instance, "end of initialisation: out of order");
+    instance->state.phase = STEPPING;
+    update(instance);
     return F(OK);
 }
 
-static Status step(Model *it, double time, double size)
+static Status step(Model *instance, double time, double size)
 {
-    double *v = it->state.numbers;
-    if (it->state.phase != STEPPING && !faulty("order"))
-        return fail(it, "step: out of order");
+    double *v = instance->state.numbers;
+    if (instance->state.phase != STEPPING && !faulty("order"))
+        return fail(instance, "step: out of order");
     if (size <= 0.0 && !faulty("backward"))
-        return fail(it, "step: size is not above 0");
-    if (time + size > it->stop_time * (1.0 + 1e-9) && !faulty("stop"))
-        return fail(it, "step: past the stop time");
+        return fail(instance, "step: size is not above 0");
+    if (time + size > instance->stop_time * (1.0 + 1e-9) && !faulty("stop"))
+        return fail(instance, "step: past the stop time");
     if (faulty("fixed_step") && fabs(size - internal_step) > 1e-9)
-        return fail(it, "step: another size");
-    if (time > 1.25 && time < 1.35) { /* late in a run, so that the plain sequence meets it */
+        return fail(instance, "step: another size");
+    if (time > 1.25 && time < 1.35) { /* late in a run, so that the plain sequence reaches it */
         if (faulty("crash"))
             abort();
         if (faulty("exit"))
             exit(3);
         if (faulty("error"))
-            return fail(it, "step: something is wrong");
+            return fail(instance, "step: something is wrong");
         if (faulty("hang"))
             for (;;)
                 pause();
@@ -215,74 +216,74 @@ static Status step(Model *it, double time, double size)
     }
     if (faulty("constant"))
         v[K] += 0.5;
-    internal_steps(it, time + size);
-    update(it);
+    internal_steps(instance, time + size);
+    update(instance);
     if (faulty("time"))
         v[TIME] -= 0.05;
-    it->ended = it->stair && v[TIME] > 1.55;
+    instance->ended = instance->stair && v[TIME] > 1.55;
     return F(OK);
 }
 
-static Status terminate(Model *it)
+static Status terminate(Model *instance)
 {
-    if (it->state.phase != STEPPING)
-        return fail(it, "terminate: out of order");
-    it->state.phase = TERMINATED;
+    if (instance->state.phase != STEPPING)
+        return fail(instance, "terminate: out of order");
+    instance->state.phase = TERMINATED;
     if (faulty("terminated"))
-        it->state.numbers[X] = 0.0;
+        instance->state.numbers[X] = 0.0;
     return F(OK);
 }
 
-static Status reset(Model *it)
+static Status reset(Model *instance)
 {
-    const double x = it->state.numbers[X];
-    start_values(it);
+    const double x = instance->state.numbers[X];
+    start_values(instance);
     if (faulty("reset"))
-        it->state.numbers[X] = x;
+        instance->state.numbers[X] = x;
     return F(OK);
 }
 
-static void release(Model *it)
+static void release(Model *instance)
 {
-    if (it == NULL && faulty("free_null"))
+    if (instance == NULL && faulty("free_null"))
         abort();
-    alive -= it != NULL;
-    free(it);
+    alive -= instance != NULL;
+    free(instance);
 }
 
-static bool may_set(const Model *it, unsigned reference)
+static bool may_set(const Model *instance, unsigned reference)
 {
-    return it->state.phase < STEPPING || (reference != K && reference != BOUNDED) || faulty("fixed");
+    return instance->state.phase < STEPPING || (reference != K && reference != BOUNDED) || faulty("fixed");
 }
 
-static Status set_number(Model *it, unsigned reference, double value)
+static Status set_number(Model *instance, unsigned reference, double value)
 {
-    if (!may_set(it, reference))
-        return fail(it, "set: out of order");
+    if (!may_set(instance, reference))
+        return fail(instance, "set: out of order");
     if (faulty("input") && reference == 10 && value != 0.0)
-        return fail(it, "set: an input does not move");
+        return fail(instance, "set: an input does not move");
     if (faulty("clamps") && reference == BOUNDED && value > 4.0)
         value = 4.0;
-    it->state.numbers[reference] = value;
-    if (it->state.phase != STEPPING)
-        update(it);
+    instance->state.numbers[reference] = value;
+    if (instance->state.phase != STEPPING)
+        update(instance);
     return F(OK);
 }
 
-static Status get_state(const Model *it, void **state)
+static Status get_state(const Model *instance, void **state)
 {
     if (*state == NULL)
         *state = malloc(sizeof(State));
-    memcpy(*state, &it->state, sizeof(State));
+    memcpy(*state, &instance->state, sizeof(State));
     return F(OK);
 }
 
-static Status set_state(Model *it, const void *state)
+static Status set_state(Model *instance, const void *state)
 {
-    const double x = it->state.numbers[X];
-    memcpy(&it->state, state, sizeof(State));
+    const double x = instance->state.numbers[X];
+    memcpy(&instance->state, state, sizeof(State));
     if (faulty("state"))
-        it->state.numbers[X] = x;
+        instance->state.numbers[X] = x;
     return F(OK);
 }
 
@@ -311,71 +312,92 @@ static Status from_bytes(const void *bytes, size_t size, void **state)
     return F(OK);
 }
 
-#define EACH                                                                                                           \
-    for (size_t i = 0; i < n; i++) {                                                                                   \
-        const Status status = set_number(it, references[i], (double)values[i]);                                        \
-        if (status != F(OK))                                                                                           \
-            return status;                                                                                             \
+#define EACH                                                                          \
+    for (size_t i = 0; i < n; i++) {                                                  \
+        const Status status = set_number(instance, references[i], (double)values[i]); \
+        if (status != F(OK))                                                          \
+            return status;                                                            \
     }
 
-#define UNUSED(name)                                                                                                   \
-    Status name(void) { return F(Error); }
+#define UNUSED(name)     \
+    Status name(void)    \
+    {                    \
+        return F(Error); \
+    }
 
 /* ---- FMI 2 ------------------------------------------------------------------------------------------------------- */
 
 #if FMI == 2
 
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return faulty("version") ? "1.0" : "2.0"; }
+const char *fmi2GetTypesPlatform(void)
+{
+    return fmi2TypesPlatform;
+}
+const char *fmi2GetVersion(void)
+{
+    return faulty("version") ? "1.0" : "2.0";
+}
 
 void *fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String resources,
                       const fmi2CallbackFunctions *host, fmi2Boolean visible, fmi2Boolean logging)
 {
     (void)visible, (void)logging;
-    Model *it = type == fmi2CoSimulation ? make(name, token, resources) : NULL;
-    if (it) {
-        it->host = host;
-        it->environment = host->componentEnvironment;
+    Model *instance = type == fmi2CoSimulation ? make(name, token, resources) : NULL;
+    if (instance) {
+        instance->host = host;
+        instance->environment = host->componentEnvironment;
     }
-    return it;
+    return instance;
 }
 
-void fmi2FreeInstance(void *it) { release(it); }
+void fmi2FreeInstance(void *instance)
+{
+    release(instance);
+}
 
-Status fmi2SetDebugLogging(void *it, fmi2Boolean on, size_t n, const fmi2String categories[])
+Status fmi2SetDebugLogging(void *instance, fmi2Boolean on, size_t n, const fmi2String categories[])
 {
     (void)on, (void)categories;
-    return n && faulty("logging") ? fail(it, "no such category") : fmi2OK;
+    return n && faulty("logging") ? fail(instance, "no such category") : fmi2OK;
 }
 
 Status fmi2SetupExperiment(void *c, fmi2Boolean tolerant, fmi2Real tolerance, fmi2Real start, fmi2Boolean stops,
                            fmi2Real stop)
 {
     (void)tolerant, (void)tolerance;
-    Model *it = c;
-    if (it->state.phase != INSTANTIATED && !faulty("order"))
-        return fail(it, "set-up: out of order");
-    it->state.numbers[TIME] = start;
-    it->stop_time = stops ? stop : INFINITY;
+    Model *instance = c;
+    if (instance->state.phase != INSTANTIATED && !faulty("order"))
+        return fail(instance, "set-up: out of order");
+    instance->state.numbers[TIME] = start;
+    instance->stop_time = stops ? stop : INFINITY;
     return fmi2OK;
 }
 
 Status fmi2EnterInitializationMode(void *c)
 {
-    Model *it = c;
-    return enter(it, it->state.numbers[TIME], it->stop_time);
+    Model *instance = c;
+    return enter(instance, instance->state.numbers[TIME], instance->stop_time);
 }
 
-Status fmi2ExitInitializationMode(void *it) { return leave(it); }
-Status fmi2Terminate(void *it) { return terminate(it); }
-Status fmi2Reset(void *it) { return reset(it); }
+Status fmi2ExitInitializationMode(void *instance)
+{
+    return leave(instance);
+}
+Status fmi2Terminate(void *instance)
+{
+    return terminate(instance);
+}
+Status fmi2Reset(void *instance)
+{
+    return reset(instance);
+}
 
 Status fmi2DoStep(void *c, fmi2Real time, fmi2Real size, fmi2Boolean no_set_state)
 {
     (void)no_set_state;
-    Model *it = c;
-    const Status status = step(it, time, size);
-    return status == fmi2OK && it->ended ? fmi2Discard : status;
+    Model *instance = c;
+    const Status status = step(instance, time, size);
+    return status == fmi2OK && instance->ended ? fmi2Discard : status;
 }
 
 Status fmi2GetBooleanStatus(void *c, const fmi2StatusKind kind, fmi2Boolean *value)
@@ -384,19 +406,18 @@ Status fmi2GetBooleanStatus(void *c, const fmi2StatusKind kind, fmi2Boolean *val
     return fmi2OK;
 }
 
-#define ACCESS(name, type)                                                                                             \
-    Status fmi2Get##name(void *c, const fmi2ValueReference *references, size_t n, type *values)                        \
-    {                                                                                                                  \
-        const Model *it = c;                                                                                           \
-        for (size_t i = 0; i < n; i++)                                                                                 \
-            values[i] = (type)it->state.numbers[references[i]];                                                        \
-        return fmi2OK;                                                                                                 \
-    }                                                                                                                  \
-    Status fmi2Set##name(void *c, const fmi2ValueReference *references, size_t n, const type *values)                  \
-    {                                                                                                                  \
-        Model *it = c;                                                                                                 \
-        EACH                                                                                                           \
-        return fmi2OK;                                                                                                 \
+#define ACCESS(name, type)                                                                            \
+    Status fmi2Get##name(void *c, const fmi2ValueReference *references, size_t n, type *values)       \
+    {                                                                                                 \
+        const Model *instance = c;                                                                    \
+        for (size_t i = 0; i < n; i++)                                                                \
+            values[i] = (type)instance->state.numbers[references[i]];                                 \
+        return fmi2OK;                                                                                \
+    }                                                                                                 \
+    Status fmi2Set##name(void *c, const fmi2ValueReference *references, size_t n, const type *values) \
+    {                                                                                                 \
+        Model *instance = c;                                                                          \
+        EACH return fmi2OK;                                                                           \
     }
 
 ACCESS(Real, fmi2Real)
@@ -419,99 +440,123 @@ Status fmi2SetString(void *c, const fmi2ValueReference *references, size_t n, co
     return fmi2OK;
 }
 
-Status fmi2GetFMUstate(void *it, fmi2FMUstate *state) { return get_state(it, state); }
-Status fmi2SetFMUstate(void *it, fmi2FMUstate state) { return set_state(it, state); }
-Status fmi2FreeFMUstate(void *it, fmi2FMUstate *state) { return (void)it, free_state(state); }
-Status fmi2SerializedFMUstateSize(void *it, fmi2FMUstate state, size_t *size)
+Status fmi2GetFMUstate(void *instance, fmi2FMUstate *state)
 {
-    (void)it, (void)state;
+    return get_state(instance, state);
+}
+Status fmi2SetFMUstate(void *instance, fmi2FMUstate state)
+{
+    return set_state(instance, state);
+}
+Status fmi2FreeFMUstate(void *instance, fmi2FMUstate *state)
+{
+    return (void)instance, free_state(state);
+}
+Status fmi2SerializedFMUstateSize(void *instance, fmi2FMUstate state, size_t *size)
+{
+    (void)instance, (void)state;
     *size = sizeof(State);
     return fmi2OK;
 }
-Status fmi2SerializeFMUstate(void *it, fmi2FMUstate state, fmi2Byte *bytes, size_t size)
+Status fmi2SerializeFMUstate(void *instance, fmi2FMUstate state, fmi2Byte *bytes, size_t size)
 {
-    return size < sizeof(State) ? fail(it, "too small") : to_bytes(state, bytes);
+    return size < sizeof(State) ? fail(instance, "too small") : to_bytes(state, bytes);
 }
-Status fmi2DeSerializeFMUstate(void *it, const fmi2Byte *bytes, size_t size, fmi2FMUstate *state)
+Status fmi2DeSerializeFMUstate(void *instance, const fmi2Byte *bytes, size_t size, fmi2FMUstate *state)
 {
-    (void)it;
+    (void)instance;
     return from_bytes(bytes, size, state);
 }
 
-UNUSED(fmi2GetDirectionalDerivative) UNUSED(fmi2SetRealInputDerivatives) UNUSED(fmi2GetRealOutputDerivatives)
-UNUSED(fmi2CancelStep) UNUSED(fmi2GetStatus) UNUSED(fmi2GetRealStatus) UNUSED(fmi2GetIntegerStatus)
-UNUSED(fmi2GetStringStatus)
+UNUSED(fmi2GetDirectionalDerivative)
+UNUSED(fmi2SetRealInputDerivatives) UNUSED(fmi2GetRealOutputDerivatives) UNUSED(fmi2CancelStep) UNUSED(fmi2GetStatus)
+    UNUSED(fmi2GetRealStatus) UNUSED(fmi2GetIntegerStatus) UNUSED(fmi2GetStringStatus)
 
 /* ---- FMI 3 ------------------------------------------------------------------------------------------------------- */
 
 #else
 
-const char *fmi3GetVersion(void) { return faulty("version") ? "2.0" : "3.0"; }
+const char *fmi3GetVersion(void)
+{
+    return faulty("version") ? "2.0" : "3.0";
+}
 
 void *fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, bool visible, bool logging,
                                   bool event_mode, bool early_return, const fmi3ValueReference required[], size_t n,
                                   void *environment, fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback up)
 {
     (void)visible, (void)logging, (void)event_mode, (void)early_return, (void)required, (void)n, (void)up;
-    Model *it = make(name, token, resources);
-    if (it) {
-        it->environment = environment;
-        it->log = log;
+    Model *instance = make(name, token, resources);
+    if (instance) {
+        instance->environment = environment;
+        instance->log = log;
     }
-    return it;
+    return instance;
 }
 
-void fmi3FreeInstance(void *it) { release(it); }
+void fmi3FreeInstance(void *instance)
+{
+    release(instance);
+}
 
-Status fmi3SetDebugLogging(void *it, bool on, size_t n, const fmi3String categories[])
+Status fmi3SetDebugLogging(void *instance, bool on, size_t n, const fmi3String categories[])
 {
     (void)on, (void)categories;
-    return n && faulty("logging") ? fail(it, "no such category") : fmi3OK;
+    return n && faulty("logging") ? fail(instance, "no such category") : fmi3OK;
 }
 
-Status fmi3EnterInitializationMode(void *it, bool tolerant, double tolerance, double start, bool stops, double stop)
+Status fmi3EnterInitializationMode(void *instance, bool tolerant, double tolerance, double start, bool stops,
+                                   double stop)
 {
     (void)tolerant, (void)tolerance;
-    return enter(it, start, stops ? stop : INFINITY);
+    return enter(instance, start, stops ? stop : INFINITY);
 }
 
-Status fmi3ExitInitializationMode(void *it) { return leave(it); }
-Status fmi3Terminate(void *it) { return terminate(it); }
-Status fmi3Reset(void *it) { return reset(it); }
+Status fmi3ExitInitializationMode(void *instance)
+{
+    return leave(instance);
+}
+Status fmi3Terminate(void *instance)
+{
+    return terminate(instance);
+}
+Status fmi3Reset(void *instance)
+{
+    return reset(instance);
+}
 
 Status fmi3DoStep(void *c, double time, double size, bool no_set_state, bool *event, bool *ends, bool *early,
                   double *reached)
 {
     (void)no_set_state;
-    Model *it = c;
-    const Status status = step(it, time, size);
+    Model *instance = c;
+    const Status status = step(instance, time, size);
     *event = *early = false;
-    *ends = it->ended;
-    *reached = it->state.numbers[TIME];
+    *ends = instance->ended;
+    *reached = instance->state.numbers[TIME];
     return status;
 }
 
 /* Value reference 36 is an array of two numbers: the input 10 and its opposite. */
-#define ACCESS(name, type)                                                                                             \
-    Status fmi3Get##name(void *c, const fmi3ValueReference *references, size_t n, type *values, size_t count)          \
-    {                                                                                                                  \
-        const Model *it = c;                                                                                           \
-        size_t at = 0;                                                                                                 \
-        for (size_t i = 0; i < n; i++) {                                                                               \
-            if (at >= count)                                                                                           \
-                return fail(it, "get: too few values");                                                                \
-            values[at++] = (type)it->state.numbers[references[i] == 36 ? 10 : references[i]];                          \
-            if (references[i] == 36)                                                                                   \
-                values[at++] = (type)-it->state.numbers[10];                                                           \
-        }                                                                                                              \
-        return at == count ? fmi3OK : fail(it, "get: too many values");                                                \
-    }                                                                                                                  \
-    Status fmi3Set##name(void *c, const fmi3ValueReference *references, size_t n, const type *values, size_t count)    \
-    {                                                                                                                  \
-        Model *it = c;                                                                                                 \
-        (void)count;                                                                                                   \
-        EACH                                                                                                           \
-        return fmi3OK;                                                                                                 \
+#define ACCESS(name, type)                                                                                          \
+    Status fmi3Get##name(void *c, const fmi3ValueReference *references, size_t n, type *values, size_t count)       \
+    {                                                                                                               \
+        const Model *instance = c;                                                                                  \
+        size_t at = 0;                                                                                              \
+        for (size_t i = 0; i < n; i++) {                                                                            \
+            if (at >= count)                                                                                        \
+                return fail(instance, "get: too few values");                                                       \
+            values[at++] = (type)instance->state.numbers[references[i] == 36 ? 10 : references[i]];                 \
+            if (references[i] == 36)                                                                                \
+                values[at++] = (type) - instance->state.numbers[10];                                                \
+        }                                                                                                           \
+        return at == count ? fmi3OK : fail(instance, "get: too many values");                                       \
+    }                                                                                                               \
+    Status fmi3Set##name(void *c, const fmi3ValueReference *references, size_t n, const type *values, size_t count) \
+    {                                                                                                               \
+        Model *instance = c;                                                                                        \
+        (void)count;                                                                                                \
+        EACH return fmi3OK;                                                                                         \
     }
 
 ACCESS(Float64, double)
@@ -553,36 +598,47 @@ Status fmi3GetBinary(void *c, const fmi3ValueReference *references, size_t n, si
     return fmi3OK;
 }
 
-Status fmi3GetFMUState(void *it, fmi3FMUState *state) { return get_state(it, state); }
-Status fmi3SetFMUState(void *it, fmi3FMUState state) { return set_state(it, state); }
-Status fmi3FreeFMUState(void *it, fmi3FMUState *state) { return (void)it, free_state(state); }
-Status fmi3SerializedFMUStateSize(void *it, fmi3FMUState state, size_t *size)
+Status fmi3GetFMUState(void *instance, fmi3FMUState *state)
 {
-    (void)it, (void)state;
+    return get_state(instance, state);
+}
+Status fmi3SetFMUState(void *instance, fmi3FMUState state)
+{
+    return set_state(instance, state);
+}
+Status fmi3FreeFMUState(void *instance, fmi3FMUState *state)
+{
+    return (void)instance, free_state(state);
+}
+Status fmi3SerializedFMUStateSize(void *instance, fmi3FMUState state, size_t *size)
+{
+    (void)instance, (void)state;
     *size = sizeof(State);
     return fmi3OK;
 }
-Status fmi3SerializeFMUState(void *it, fmi3FMUState state, fmi3Byte *bytes, size_t size)
+Status fmi3SerializeFMUState(void *instance, fmi3FMUState state, fmi3Byte *bytes, size_t size)
 {
-    return size < sizeof(State) ? fail(it, "too small") : to_bytes(state, bytes);
+    return size < sizeof(State) ? fail(instance, "too small") : to_bytes(state, bytes);
 }
-Status fmi3DeserializeFMUState(void *it, const fmi3Byte *bytes, size_t size, fmi3FMUState *state)
+Status fmi3DeserializeFMUState(void *instance, const fmi3Byte *bytes, size_t size, fmi3FMUState *state)
 {
-    (void)it;
+    (void)instance;
     return from_bytes(bytes, size, state);
 }
 
-UNUSED(fmi3InstantiateModelExchange) UNUSED(fmi3InstantiateScheduledExecution) UNUSED(fmi3EnterEventMode)
-UNUSED(fmi3GetClock) UNUSED(fmi3SetBinary) UNUSED(fmi3SetClock) UNUSED(fmi3GetNumberOfVariableDependencies)
-UNUSED(fmi3GetVariableDependencies) UNUSED(fmi3GetDirectionalDerivative) UNUSED(fmi3GetAdjointDerivative)
-UNUSED(fmi3EnterConfigurationMode) UNUSED(fmi3ExitConfigurationMode) UNUSED(fmi3GetIntervalDecimal)
-UNUSED(fmi3GetIntervalFraction) UNUSED(fmi3GetShiftDecimal) UNUSED(fmi3GetShiftFraction)
-UNUSED(fmi3SetIntervalDecimal) UNUSED(fmi3SetIntervalFraction) UNUSED(fmi3SetShiftDecimal)
-UNUSED(fmi3SetShiftFraction) UNUSED(fmi3EvaluateDiscreteStates) UNUSED(fmi3UpdateDiscreteStates)
-UNUSED(fmi3EnterContinuousTimeMode) UNUSED(fmi3CompletedIntegratorStep) UNUSED(fmi3SetTime)
-UNUSED(fmi3SetContinuousStates) UNUSED(fmi3GetContinuousStateDerivatives) UNUSED(fmi3GetEventIndicators)
-UNUSED(fmi3GetContinuousStates) UNUSED(fmi3GetNominalsOfContinuousStates) UNUSED(fmi3GetNumberOfEventIndicators)
-UNUSED(fmi3GetNumberOfContinuousStates) UNUSED(fmi3EnterStepMode) UNUSED(fmi3GetOutputDerivatives)
-UNUSED(fmi3ActivateModelPartition)
+UNUSED(fmi3InstantiateModelExchange)
+UNUSED(fmi3InstantiateScheduledExecution) UNUSED(fmi3EnterEventMode) UNUSED(fmi3GetClock) UNUSED(fmi3SetBinary)
+    UNUSED(fmi3SetClock) UNUSED(fmi3GetNumberOfVariableDependencies) UNUSED(fmi3GetVariableDependencies)
+        UNUSED(fmi3GetDirectionalDerivative) UNUSED(fmi3GetAdjointDerivative) UNUSED(fmi3EnterConfigurationMode)
+            UNUSED(fmi3ExitConfigurationMode) UNUSED(fmi3GetIntervalDecimal) UNUSED(fmi3GetIntervalFraction)
+                UNUSED(fmi3GetShiftDecimal) UNUSED(fmi3GetShiftFraction) UNUSED(fmi3SetIntervalDecimal)
+                    UNUSED(fmi3SetIntervalFraction) UNUSED(fmi3SetShiftDecimal) UNUSED(fmi3SetShiftFraction)
+                        UNUSED(fmi3EvaluateDiscreteStates) UNUSED(fmi3UpdateDiscreteStates)
+                            UNUSED(fmi3EnterContinuousTimeMode) UNUSED(fmi3CompletedIntegratorStep) UNUSED(fmi3SetTime)
+                                UNUSED(fmi3SetContinuousStates) UNUSED(fmi3GetContinuousStateDerivatives)
+                                    UNUSED(fmi3GetEventIndicators) UNUSED(fmi3GetContinuousStates)
+                                        UNUSED(fmi3GetNominalsOfContinuousStates) UNUSED(fmi3GetNumberOfEventIndicators)
+                                            UNUSED(fmi3GetNumberOfContinuousStates) UNUSED(fmi3EnterStepMode)
+                                                UNUSED(fmi3GetOutputDerivatives) UNUSED(fmi3ActivateModelPartition)
 
 #endif

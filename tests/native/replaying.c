@@ -1,5 +1,6 @@
-/* A recording's memory through the life of instances: prepared anew, refused, saved, restored, reset, freed in any state.
- * Takes the paths of a good and of a wrong file; a sanitizer looks for leaks. Returns the number of the line that failed. */
+/* A recording's memory through the life of instances: prepared anew, refused, saved, restored, reset, freed in any
+ * state. Takes the paths of a good and of a wrong file; a sanitizer looks for leaks. Returns the number of the line
+ * that failed. */
 #include "api.h"
 
 #include <string.h>
@@ -41,14 +42,14 @@ static int displaced(Fmu fmu)
 int main(int count, char *words[])
 {
     const char *good = words[1], *wrong = words[count - 1];
-    Journal journal = {0};
+    MessageLog messages = {0};
     void *state = NULL;
-    Fmu fmu = make("it", MODEL_TOKEN, true, &journal), other = make("other", MODEL_TOKEN, true, &journal);
+    Fmu fmu = make("instance", MODEL_TOKEN, true, &messages), other = make("other", MODEL_TOKEN, true, &messages);
     const uint32_t output = FIRST_OUTPUT;
     double value;
     DEMAND(choose(fmu, good) && get(fmu, TYPE_REAL, &output, 1, &value) == 0);
     DEMAND(choose(fmu, wrong) && get(fmu, TYPE_REAL, &output, 1, &value) == 1);
-    DEMAND(begin(fmu, 0.0) == 0 && end(fmu) == 3 && strstr(journal.last, wrong) != NULL);
+    DEMAND(begin(fmu, 0.0) == 0 && end(fmu) == 3 && strstr(messages.last, wrong) != NULL);
     DEMAND(choose(fmu, good) && end(fmu) == 0 && step(fmu, 0.0, 1.0) == 0 && displaced(fmu));
     DEMAND(get_state(fmu, &state) == 0 && set_state(fmu, state) == 0 && step(fmu, 1.0, 1.0) == 0);
     DEMAND(set_state(other, state) == 0 && step(other, 1.0, 1.0) == 0 && displaced(other));

@@ -14,7 +14,7 @@ from seat_controller_fmu.controller import (
     Coefficients,
     State,
     advance,
-    initial,
+    initialize,
     mass_range,
     observer_gains,
     prepare,
@@ -29,7 +29,7 @@ h = SAMPLE_TIME.value
 
 def start(parameters: Parameters, time: float = 0.0) -> tuple[State, Coefficients]:
     coefficients = prepare(parameters)
-    return initial(Inputs(), coefficients, time)[0], coefficients
+    return initialize(Inputs(), coefficients, time)[0], coefficients
 
 
 @pytest.mark.parametrize("mass", [45.0, 55.0, 70.0, 80.0])
@@ -62,7 +62,7 @@ def test_given_observer_gains_are_used_as_they_are():
     assert observer_gains(Parameters(L1=-1000.0))[1] == observer_gains(Parameters())[1]
 
 
-def test_rate_filter_is_exact_on_a_ramp_once_settled():
+def test_rate_filter_is_exact_on_a_ramp_in_steady_state():
     state, c = start(Parameters(enabled=False))
     for k in range(200):
         state, outputs = step(state, Inputs(0.0, 0.3 * k * h), c)
@@ -94,7 +94,7 @@ def test_law_schedules_the_gains_over_the_mass():
 
 
 @pytest.mark.parametrize("acceleration", [-40.0, 40.0])
-def test_force_is_limited_and_says_so(acceleration: float):
+def test_force_is_limited_and_saturated_is_set(acceleration: float):
     state, c = start(Parameters(force_limit=100.0))
     _, outputs = step(state, Inputs(acceleration, 0.0), c)
     assert abs(outputs.force_demand) > 100.0
@@ -107,7 +107,7 @@ def test_observer_winds_up_as_published_and_not_with_anti_windup():
     for anti_windup in (False, True):
         state, c = start(Parameters(force_limit=50.0, anti_windup=anti_windup))
         for _ in range(100):
-            # a seat that does what its saturated force makes of it, under a load beyond the limit
+            # a seat under a load beyond the force limit
             measured = (state.force - 200.0) / (55.0 + 28.0)
             state, outputs = step(state, Inputs(measured, 0.0), c)
         estimates[anti_windup] = outputs.disturbance_estimate
@@ -155,7 +155,7 @@ def test_small_steps_take_each_sample_once_in_spite_of_rounding():
 
 @pytest.mark.parametrize(("time", "first"), [(0.0, 0), (0.002, 1), (0.003, 2), (3 * 0.1, 150)])
 def test_initialisation_takes_no_sample_and_finds_the_first(time: float, first: int):
-    state, outputs = initial(Inputs(1.0, 0.01), prepare(Parameters()), time)
+    state, outputs = initialize(Inputs(1.0, 0.01), prepare(Parameters()), time)
     assert state.next_sample == first
     assert not any(astuple(outputs))
 

@@ -36,6 +36,7 @@ int main(void)
 """
 
 
+@pytest.mark.builds
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_the_interrupt_of_the_page_gives_the_force_of_the_readme(real: str, tmp_path: Path):

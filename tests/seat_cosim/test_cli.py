@@ -1,4 +1,4 @@
-"""The command line: results where they belong, exit codes, one line for each mistake."""
+"""The command line: files of results, exit codes, one line for each error."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_reproduction_is_reproducible(shell: Shell, tmp_path: Path, monkeypatch:
     assert contents[0] == contents[1]
 
 
-def test_run_takes_its_options_in_the_order_of_the_contract(shell: Shell, tmp_path: Path):
+def test_run_applies_its_options_in_their_order(shell: Shell, tmp_path: Path):
     code, out, _ = shell(
         "run",
         "sine",
@@ -62,7 +62,7 @@ def test_run_takes_its_options_in_the_order_of_the_contract(shell: Shell, tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["run", "bump", "--step-size", "0"], "step size: expected a finite number of seconds above 0, got 0.0"),
         (["run", "bump", "--stop-time", "-1"], "stop time: expected a finite number of seconds above 0, got -1.0"),
@@ -84,12 +84,12 @@ def test_run_takes_its_options_in_the_order_of_the_contract(shell: Shell, tmp_pa
         (["run", "bump", "--output", "/proc/nowhere"], "/proc/nowhere: expected a folder to write to, got"),
     ],
 )
-def test_wrong_use_is_one_line_and_exit_code_2(shell: Shell, tmp_path: Path, words: list[str], said: str):
+def test_wrong_use_is_one_line_and_exit_code_2(shell: Shell, tmp_path: Path, words: list[str], message: str):
     code, out, err = shell(*words)
     assert code == 2
     assert out == ""
     assert err.startswith("seat-cosim: error: ")
-    assert said in err
+    assert message in err
     assert err.count("\n") == 1
     assert not list(tmp_path.rglob("result*"))
 
@@ -133,7 +133,7 @@ def test_design_writes_gains_that_run_and_certify(shell: Shell, tmp_path: Path):
     assert shell("run", "bump", "--gains", "made/gains.json", "--stop-time", "0.1")[0] == 0
 
 
-def test_gains_that_fail_the_certificate_are_told_with_exit_code_1(shell: Shell, tmp_path: Path):
+def test_gains_that_fail_the_certificate_are_reported_with_exit_code_1(shell: Shell, tmp_path: Path):
     wrong = json.loads(preset("published").to_json()) | {"K1": [4573.0, 90.0], "Q": None}
     (tmp_path / "wrong.json").write_text(json.dumps(wrong))
     code, out, err = shell("design", "--gains", "wrong.json")
@@ -143,7 +143,7 @@ def test_gains_that_fail_the_certificate_are_told_with_exit_code_1(shell: Shell,
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--lambda", "0.01"], "expected lambda above alpha = 0.02, got 0.01"),
         (["--driver-mass-min", "120", "--driver-mass-max", "45"], "expected driver_mass_min < driver_mass_max"),
@@ -153,20 +153,20 @@ def test_gains_that_fail_the_certificate_are_told_with_exit_code_1(shell: Shell,
         (["--gains", "best"], "gains: expected one of published"),
     ],
 )
-def test_impossible_designs_are_one_line_and_exit_code_2(shell: Shell, words: list[str], said: str):
+def test_impossible_designs_are_one_line_and_exit_code_2(shell: Shell, words: list[str], message: str):
     code, _, err = shell("design", *words)
     assert code == 2
-    assert said in err
+    assert message in err
     assert err.count("\n") == 1
 
 
-def test_missing_fmus_are_told_with_the_remedy(shell: Shell):
+def test_the_message_about_missing_fmus_names_the_remedy(shell: Shell):
     code, _, err = shell("run", "bump", "--fmus", "nowhere", fmus=False)
     assert code == 2
     assert "expected Shaker.fmu, SeatPlant.fmu, SeatController.fmu, got no such file; run: seat-cosim build" in err
 
 
-def test_a_wrong_fmu_is_told(shell: Shell, tmp_path: Path):
+def test_a_wrong_fmu_is_refused(shell: Shell, tmp_path: Path):
     folder = tmp_path / "wrong" / "fmi2"
     folder.mkdir(parents=True)
     for name in ("Shaker", "SeatPlant", "SeatController"):
@@ -187,9 +187,9 @@ def test_a_failing_run_is_exit_code_1_and_leaves_a_partial_result(shell: Shell, 
     assert err.count("\n") == 1
     assert "(no rows of 3 s in here/result.partial.csv)" in err
     assert [path.name for path in (tmp_path / "here").glob("result*")] == ["result.partial.csv"]
-    told = json.loads((tmp_path / "here" / "run.json").read_text())
-    assert (told["complete"], told["rows"]) == (False, 0)
-    assert told["error"].startswith("controller: fmi2DoStep failed at t = 0 s (discard)")
+    manifest = json.loads((tmp_path / "here" / "run.json").read_text())
+    assert (manifest["complete"], manifest["rows"]) == (False, 0)
+    assert manifest["error"].startswith("controller: fmi2DoStep failed at t = 0 s (discard)")
 
 
 def test_a_run_that_cannot_begin_is_exit_code_1(shell: Shell, tmp_path: Path):
@@ -200,9 +200,9 @@ def test_a_run_that_cannot_begin_is_exit_code_1(shell: Shell, tmp_path: Path):
     assert "driver_mass_max; got driver_mass_min = 100 kg, driver_mass_max = 80 kg" in err
     assert err.count("\n") == 1
     assert [path.name for path in (tmp_path / "here").iterdir()] == ["run.json"]
-    told = json.loads((tmp_path / "here" / "run.json").read_text())
-    assert not told["complete"]
-    assert told["error"] in err
+    manifest = json.loads((tmp_path / "here" / "run.json").read_text())
+    assert not manifest["complete"]
+    assert manifest["error"] in err
 
 
 def test_a_refused_run_leaves_an_earlier_result_alone(shell: Shell, tmp_path: Path):
@@ -217,7 +217,7 @@ def test_debug_shows_the_traceback_and_nothing_else_does(shell: Shell):
     assert "Traceback" not in shell("run", "bump", "--step-size", "0")[2]
 
 
-def test_build_says_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
+def test_build_prints_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
     code, out, _ = shell("build", "--flavour", "fmi2", "--flavour", "fmi3", "--output", "here")
     assert code == 0
     assert len(re.findall(r"(fmu|ssp) .* built", out)) == 6 + 2
@@ -246,7 +246,7 @@ def test_fmus_of_a_wheel_are_exported(shell: Shell, native: Path, tmp_path: Path
     assert exported.with_name("SeatPlant_ref.csv").exists()
 
 
-def test_run_writes_the_formats_asked_for_and_every_nth_row(shell: Shell, tmp_path: Path):
+def test_run_writes_the_chosen_formats_and_every_nth_row(shell: Shell, tmp_path: Path):
     words = ("run", "bump", "--stop-time", "0.1", "--output", "here", "--record-every", "20")
     assert shell(*words, "--format", "mdf4", "--format", "parquet", "--format", "csv")[0] == 0
     results = [Result.read(tmp_path / "here" / f"result{suffix}") for suffix in (".csv", ".mf4", ".parquet")]

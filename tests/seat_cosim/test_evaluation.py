@@ -1,4 +1,4 @@
-"""Evaluation: its numbers against the metrics themselves and a first simulation, systems of others, what it leaves."""
+"""Evaluation: its results against the metrics and an independent simulation, other systems, its files."""
 
 from __future__ import annotations
 
@@ -12,27 +12,42 @@ import pytest
 
 from cosim import SetupError, System
 from cosim.metrics import Ride, actuator, daily_vdv, deflection_range, ride, seat_factor
-from seat_cosim.cli.options import parameter_sets
-from seat_cosim.evaluation.evaluation import COLUMNS, Cell, Evaluation, Protocol, Run, evaluate
-from seat_cosim.evaluation.report import verdict, write
-from seat_cosim.evaluation.seat import passive_seat, ports
+from seat_cosim.evaluation.protocol import Protocol
+from seat_cosim.evaluation.report import write
+from seat_cosim.evaluation.results import METRICS, DriverClassResult, Evaluation, RideResult
+from seat_cosim.evaluation.runner import evaluate
+from seat_cosim.evaluation.seat import passive_seat, seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
-from seat_cosim.scenarios import control, driver_mass, seat_suspension
+from seat_cosim.evaluation.verdict import verdict
+from seat_cosim.scenarios import control, driver_mass, read_parameter_sets, seat_suspension
 from tests.helpers.shell import Shell
 
-SHORT = Protocol(classes=("EM3",), masses=(80.0,), seeds=(4, 5), duration=12.0, settle=2.0)
-TINY = ("--classes", "EM3", "--masses", "80", "--seeds", "4,5", "--duration", "12", "--settle", "2", "--processes", "1")
+SHORT = Protocol(classes=("EM3",), masses=(80.0,), seeds=(4, 5), duration=12.0, warm_up=2.0)
+TINY = (
+    "--classes",
+    "EM3",
+    "--masses",
+    "80",
+    "--seeds",
+    "4,5",
+    "--duration",
+    "12",
+    "--warm-up",
+    "2",
+    "--processes",
+    "1",
+)
 
 
-def subject(folder: Path, title: str = "seat", **parameters: float | bool) -> EvaluatedSystem:
+def evaluated(folder: Path, title: str = "seat", **parameters: float | bool) -> EvaluatedSystem:
     system = seat_suspension(folder)
     system.parameters |= {name.replace("__", "."): value for name, value in parameters.items()}
-    return EvaluatedSystem(title, system, ports())
+    return EvaluatedSystem(title, system, seat_signals())
 
 
 def passive(folder: Path) -> EvaluatedSystem:
     system = seat_suspension(folder)
-    return passive_seat(system, parameter_sets(["passive"], system))
+    return passive_seat(system, read_parameter_sets(["passive"], system))
 
 
 def table(path: Path) -> list[dict[str, str]]:
@@ -41,7 +56,7 @@ def table(path: Path) -> list[dict[str, str]]:
 
 
 def numbers(evaluation: Evaluation) -> dict[tuple[str, float], list[float | None]]:
-    return {key: [column.number(cell) for column in COLUMNS] for key, cell in evaluation.cells.items()}
+    return {key: [metric.number(result) for metric in METRICS] for key, result in evaluation.results.items()}
 
 
 def test_numbers_are_those_of_the_metrics(native: Path):
@@ -68,18 +83,18 @@ def test_numbers_are_those_of_the_metrics(native: Path):
     expected = {name: np.mean(values) for name, values in both.items()}
     expected["peak_deflection"] = max(both["peak_deflection"])
     expected["spread"] = 100.0 * (max(both["seat"]) / expected["seat"] - 1.0)
-    (evaluation,) = evaluate([subject(native / "fmi2")], SHORT)
-    cell = evaluation.cells["EM3", 80.0]
-    got = {column.key: column.number(cell) for column in COLUMNS}
+    (evaluation,) = evaluate([evaluated(native / "fmi2")], SHORT)
+    result = evaluation.results["EM3", 80.0]
+    got = {metric.key: metric.number(result) for metric in METRICS}
     assert got.pop("end_stop_hits") is None
     assert got == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_control_beats_the_passive_seat_on_every_class(native: Path):
     protocol = Protocol(masses=(55.0,), seeds=(1,), duration=30.0)
-    controlled, off = evaluate([subject(native / "fmi2"), passive(native / "fmi2")], protocol)
-    for key, cell in controlled.cells.items():
-        assert cell.seat < off.cells[key].seat, key
+    controlled, off = evaluate([evaluated(native / "fmi2"), passive(native / "fmi2")], protocol)
+    for key, result in controlled.results.items():
+        assert result.seat < off.results[key].seat, key
 
 
 FIRST = {
@@ -92,10 +107,12 @@ FIRST = {
 def test_a_first_simulation_is_repeated_within_its_scatter(native: Path):
     # One run of 180 s scatters by 1 to 3 %, and the earlier numbers are rounded to 0.01: up to 2.5 % of 0.20.
     protocol = Protocol(masses=(55.0,), duration=60.0)
-    off = subject(native / "fmi2", "off", **{name.replace(".", "__"): value for name, value in control(False).items()})
+    off = evaluated(
+        native / "fmi2", "off", **{name.replace(".", "__"): value for name, value in control(False).items()}
+    )
     found = [
-        [cell.seat for cell in evaluation.cells.values()]
-        for evaluation in evaluate([subject(native / "fmi2"), off], protocol)
+        [result.seat for result in evaluation.results.values()]
+        for evaluation in evaluate([evaluated(native / "fmi2"), off], protocol)
     ]
     assert found[0] == pytest.approx(FIRST["controlled"], rel=0.08)
     assert found[1][3:] == pytest.approx(FIRST["uncontrolled"][3:], rel=0.05)
@@ -105,19 +122,19 @@ def test_a_first_simulation_is_repeated_within_its_scatter(native: Path):
 
 
 def test_processes_do_not_change_a_number(native: Path):
-    protocol = Protocol(classes=("EM3", "EM7"), masses=(80.0, 55.0), seeds=(4,), duration=5.0, settle=1.0)
-    subjects = [subject(native / "fmi2"), passive(native / "fmi2")]
+    protocol = Protocol(classes=("EM3", "EM7"), masses=(80.0, 55.0), seeds=(4,), duration=5.0, warm_up=1.0)
+    systems = [evaluated(native / "fmi2"), passive(native / "fmi2")]
     done: list[tuple[int, int]] = []
-    alone, together = evaluate(subjects, protocol), evaluate(subjects, protocol, 2, lambda *how: done.append(how))
+    alone, together = evaluate(systems, protocol), evaluate(systems, protocol, 2, lambda *how: done.append(how))
     assert [numbers(each) for each in alone] == [numbers(each) for each in together]
     assert done == [(1, 4), (2, 4), (3, 4), (4, 4)]
-    assert list(alone[0].cells) == [("EM3", 80.0), ("EM3", 55.0), ("EM7", 80.0), ("EM7", 55.0)]
+    assert list(alone[0].results) == [("EM3", 80.0), ("EM3", 55.0), ("EM7", 80.0), ("EM7", 55.0)]
 
 
-def test_the_same_evaluation_leaves_the_same_bytes(native: Path, tmp_path: Path):
+def test_the_same_evaluation_writes_the_same_bytes(native: Path, tmp_path: Path):
     files = []
     for name in ("first", "second"):
-        found = evaluate([subject(native / "fmi2"), passive(native / "fmi2")], SHORT)
+        found = evaluate([evaluated(native / "fmi2"), passive(native / "fmi2")], SHORT)
         files.append(write(tmp_path / name, found, SHORT, ["seat-cosim", "evaluate"], ["A note."]))
     assert [path.name for path in files[0]] == [
         "evaluation.html",
@@ -131,38 +148,39 @@ def test_the_same_evaluation_leaves_the_same_bytes(native: Path, tmp_path: Path)
 
 
 def test_end_stops_are_counted_where_the_seat_has_them(native: Path):
-    free = subject(native / "fmi2")
+    free = evaluated(native / "fmi2")
     stops = {"seat__end_stop__stiffness": 1e5, "seat__end_stop__damping": 0.0}
-    stopped = subject(native / "fmi2", seat__end_stop__travel=0.015, **stops)
-    assert (free.travel, stopped.travel) == (None, 0.015)
-    without, with_ = (each.cells["EM3", 80.0] for each in evaluate([free, stopped], SHORT))
-    assert without.hits is None
-    assert with_.hits
-    assert with_.peak < without.peak
+    stopped = evaluated(native / "fmi2", seat__end_stop__travel=0.015, **stops)
+    assert (free.end_stop_travel, stopped.end_stop_travel) == (None, 0.015)
+    without, with_ = (each.results["EM3", 80.0] for each in evaluate([free, stopped], SHORT))
+    assert without.end_stop_hits is None
+    assert with_.end_stop_hits
+    assert with_.peak_deflection < without.peak_deflection
 
 
-def test_drivers_the_gains_are_not_made_for_are_told(native: Path):
-    protocol = Protocol(classes=("EM3",), masses=(120.0,), seeds=(1, 2), duration=2.0, settle=0.0)
-    (found,) = evaluate([subject(native / "fmi2")], protocol)
+def test_drivers_outside_the_range_of_the_gains_are_reported(native: Path):
+    protocol = Protocol(classes=("EM3",), masses=(120.0,), seeds=(1, 2), duration=2.0, warm_up=0.0)
+    (found,) = evaluate([evaluated(native / "fmi2")], protocol)
     assert len(found.warnings) == 1
     assert "driver_mass lies outside [driver_mass_min, driver_mass_max]" in found.warnings[0]
 
 
-def cell_of(*seats: float) -> Cell:
+def result_of(*seats: float) -> DriverClassResult:
+    """Results of rides with these SEAT."""
     floor = Ride(1.0, 4.0, 1.5, 3.0, 180.0)
-    return Cell(tuple(Run(Ride(seat, 4.0 * seat, 1.5, 3.0, 180.0), floor) for seat in seats))
+    return DriverClassResult(tuple(RideResult(Ride(seat, 4.0 * seat, 1.5, 3.0, 180.0), floor) for seat in seats))
 
 
 @pytest.mark.parametrize(
-    ("seats", "repeats"), [((0.95, 1.0, 1.05), True), ((0.94, 1.0, 1.06), False), ((1.0, 1.0), False)]
+    ("seats", "repeatable"), [((0.95, 1.0, 1.05), True), ((0.94, 1.0, 1.06), False), ((1.0, 1.0), False)]
 )
-def test_runs_repeat_within_five_percent_of_their_mean(seats: tuple[float, ...], repeats: bool):
-    assert cell_of(*seats).repeats is repeats
+def test_runs_repeat_within_five_percent_of_their_mean(seats: tuple[float, ...], repeatable: bool):
+    assert result_of(*seats).is_repeatable is repeatable
 
 
 def test_the_verdict_names_what_does_not_hold(native: Path):
-    cells = {("EM1", 55.0): cell_of(1.0, 1.0, 1.0), ("EM7", 55.0): cell_of(0.6, 0.62, 0.7)}
-    found = verdict(Evaluation(subject(native / "fmi2"), cells))
+    results = {("EM1", 55.0): result_of(1.0, 1.0, 1.0), ("EM7", 55.0): result_of(0.6, 0.62, 0.7)}
+    found = verdict(Evaluation(evaluated(native / "fmi2"), results))
     expected = "SEAT within the limit in 1 of 2 combinations of class and driver; runs more than 5% from their mean in "
     assert found == expected + "EM7 55 kg"
 
@@ -170,7 +188,7 @@ def test_the_verdict_names_what_does_not_hold(native: Path):
 # ---- the command -----------------------------------------------------------------------------------------------------
 
 
-def test_the_page_needs_nothing_beside_it_and_tells_what_was_evaluated(shell: Shell, native: Path, tmp_path: Path):
+def test_the_page_needs_no_other_file_and_identifies_what_was_evaluated(shell: Shell, native: Path, tmp_path: Path):
     code, out, err = shell("evaluate", *TINY, "--observer", "2", "--output", "out")
     assert (code, err) == (0, "")
     assert "SeatSuspension, Observer 2" in out
@@ -187,7 +205,7 @@ def test_the_page_needs_nothing_beside_it_and_tells_what_was_evaluated(shell: Sh
     assert not re.search(r"\b20\d\d-\d\d-\d\d\b", page)
 
 
-def test_a_system_that_was_left_gives_the_same_table_again(shell: Shell, tmp_path: Path):
+def test_a_saved_system_gives_the_same_table_again(shell: Shell, tmp_path: Path):
     words = ("--set", "seat.suspension_damping=300", "--observer", "2")
     assert shell("evaluate", *TINY, *words, "--output", "first")[0] == 0
     assert shell("evaluate", "first/system.ssp", *TINY, "--output", "second")[0] == 0
@@ -227,7 +245,7 @@ REFUSED = {
     "mass": (("--masses", "5"), r"controller.driver_mass: expected a value in \[20, 250\] kg, got 5"),
     "seeds": (("--seeds", "1.5"), "--seeds 1.5: expected whole numbers with commas between"),
     "duration": (("--duration", "0.5"), "duration: expected at least 1 s, over which MTVV is taken, got 0.5 s"),
-    "settle": (("--settle", "-1"), "settle: expected at least 0 s, got -1 s"),
+    "warm-up": (("--settle", "-1"), "warm-up: expected at least 0 s, got -1 s"),
     "signal": (
         ("--seat-signal", "seat.driver_accel"),
         r"signal seat.driver_accel: expected an output of SeatSuspension, got none \(did you mean seat.driver_acceler",
@@ -250,7 +268,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_wrong_words_are_refused_before_anything_runs(case: str, shell: Shell, tmp_path: Path):
+def test_wrong_arguments_are_refused_before_anything_runs(case: str, shell: Shell, tmp_path: Path):
     words, message = REFUSED[case]
     code, out, err = shell("evaluate", *words, "--output", "out")
     assert (code, out) == (2, "")
@@ -260,18 +278,18 @@ def test_wrong_words_are_refused_before_anything_runs(case: str, shell: Shell, t
     assert not (tmp_path / "out").exists()
 
 
-def test_all_problems_are_told_at_once(native: Path):
+def test_all_problems_are_reported_at_once(native: Path):
     wrong = Protocol(classes=("EM1", "XX"), masses=(55.0, 1e9), seeds=(-1,))
     with pytest.raises(SetupError) as error:
-        evaluate([subject(native / "fmi2")], wrong)
+        evaluate([evaluated(native / "fmi2")], wrong)
     text = str(error.value)
     assert "got XX" in text
     assert "got 1000000000.0" in text
     assert "got -1" in text
 
 
-def test_a_step_too_long_for_the_weighting_is_told(native: Path):
-    slow = subject(native / "fmi2")
+def test_a_step_too_long_for_the_weighting_is_refused(native: Path):
+    slow = evaluated(native / "fmi2")
     slow.system.step_size = 0.01
     with pytest.raises(SetupError, match="rate: expected at least 160 Hz, as Wk reaches to 80 Hz, got 100 Hz"):
         evaluate([slow], SHORT)
@@ -285,7 +303,7 @@ def test_a_ride_that_fails_is_named(shell: Shell, tmp_path: Path):
     assert not list((tmp_path / "out").iterdir())
 
 
-def test_a_folder_that_cannot_be_written_to_is_told_before_anything_runs(shell: Shell, tmp_path: Path):
+def test_a_folder_that_cannot_be_written_to_is_refused_before_anything_runs(shell: Shell, tmp_path: Path):
     (tmp_path / "file").touch()
     code, out, err = shell("evaluate", *TINY, "--output", "file/out")
     assert (code, out) == (2, "")

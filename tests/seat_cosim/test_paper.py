@@ -1,4 +1,4 @@
-"""The reproduction of the paper: its numbers, and a report that anybody can open."""
+"""The reproduction of the paper: its numbers, and its report."""
 
 from __future__ import annotations
 
@@ -11,32 +11,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plant_models.parameter_sets import NAMES
-from seat_cosim.cli.options import parameter_sets
-from seat_cosim.cli.seat_options import gains_of
 from seat_cosim.paper import report
 from seat_cosim.paper.contents import CONTENTS
 from seat_cosim.paper.experiments import findings
 from seat_cosim.paper.finding import Finding, Kind, Row
 from seat_cosim.paper.published import BUMP_PEAKS, REDUCTIONS, RMS
-from seat_cosim.paper.runner import Calibration, Lab
+from seat_cosim.paper.runner import open_runner
 from seat_cosim.scenarios import seat_suspension
 from tests.helpers.files import read_csv
 from tests.helpers.paths import ROOT
 from tests.helpers.shell import Shell
 
 FIGURES = [entry for entry in CONTENTS if not entry.key.startswith("table")]
-GAMMAS = {1: -3e-6, 2: -1e-6}
-DESIGN = {"alpha": 0.02, "P_2": 400.0, "lambda": 1.2}
 
 
 @pytest.fixture(scope="module")
 def found(native: Path) -> dict[str, Finding]:
-    system = seat_suspension(native / "fmi2")
-    sets = {name: parameter_sets([name], system) for name in NAMES}
-    with system.open() as session:
-        lab = Lab(system, session, Calibration(**sets), gains_of("recommended"), GAMMAS, DESIGN)
-        return {finding.key: finding for finding in findings(lab)}
+    with open_runner(seat_suspension(native / "fmi2")) as runner:
+        assert runner.gammas == {1: -3e-6, 2: -1e-6}
+        assert runner.settings == {"alpha": 0.02, "P_2": 400.0, "lambda": 1.2}
+        return {finding.key: finding for finding in findings(runner)}
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +95,7 @@ def test_transmissibility_with_observer_1_is_around_0_4_and_below_1(found: dict[
     assert value(found["fig10"], "Controlled, 1 to 4.5 Hz, largest ratio") < 1.0
 
 
-def test_passive_against_uncontrolled_is_as_the_paper_has_it(found: dict[str, Finding]):
+def test_passive_against_uncontrolled_is_as_in_the_paper(found: dict[str, Finding]):
     assert value(found["fig10"], "Passive, highest") > value(found["fig10"], "Uncontrolled, highest")
     better, worse = row(found["fig10"], "Passive less uncontrolled, 2.5 to 4.5 Hz").values
     assert better < -0.2
@@ -109,7 +103,7 @@ def test_passive_against_uncontrolled_is_as_the_paper_has_it(found: dict[str, Fi
     assert value(found["fig10"], "Controlled, better than the passive seat up to") >= 4.5
 
 
-def test_what_was_fitted_fits(found: dict[str, Finding]):
+def test_fitted_numbers_agree(found: dict[str, Finding]):
     for name, printed in RMS[55.0].items():
         # the fitted parameters are kept with three digits
         assert value(found["table2"], f"55 kg, {name}") == pytest.approx(printed, rel=0.005)
@@ -123,7 +117,7 @@ def test_the_ideal_simulation_reaches_the_papers_reductions(found: dict[str, Fin
         assert value(found["table2"], f"{mass:g} kg, controlled against passive, ideal prototype") < -printed
 
 
-def test_70_kg_and_the_bumps_are_predicted_and_say_so(found: dict[str, Finding]):
+def test_70_kg_and_the_bumps_are_marked_as_predicted(found: dict[str, Finding]):
     heavy = [each for each in found["table2"].rows if each.quantity.startswith("70 kg")]
     bumps = [*found["fig11"].rows, *found["fig12"].rows]
     assert {each.kind for each in (*heavy, *bumps)} == {Kind.PREDICTED}
@@ -148,7 +142,7 @@ def test_friction_turns_within_a_tenth_of_a_millimetre_at_any_amplitude(found: d
     assert 0.05 < turned.values[0] < 0.1
 
 
-def test_every_difference_has_its_sentence(found: dict[str, Finding]):
+def test_every_difference_has_a_remark(found: dict[str, Finding]):
     for finding in found.values():
         for each in finding.rows:
             if each.paper and each.paper != each.ours:
@@ -160,8 +154,8 @@ def test_table_1_has_the_start_values_and_marks_the_misprint(found: dict[str, Fi
     assert differing == ["Largest driver mass m_bmax"]
 
 
-def test_the_document_shows_what_is_found(found: dict[str, Finding]):
-    text = (ROOT / "docs" / "explanation" / "reproduction.md").read_text(encoding="utf-8")
+def test_the_document_has_the_numbers_found(found: dict[str, Finding]):
+    text = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
     for _, rows in report.summary(list(found.values())):
         for entry, each in rows:
             unit = "" if each.unit == "1" else f" {each.unit}"
@@ -181,12 +175,12 @@ def test_the_report_has_all_figures_and_tables(page: str, folder: Path):
     assert len(list(folder.iterdir())) == 1 + len(CONTENTS) + 2 * len(FIGURES)
 
 
-def test_the_page_needs_nothing_from_elsewhere(page: str):
+def test_the_page_needs_no_other_file(page: str):
     assert not re.findall(r"https?:|<script|<link|@import|url\(", page)
     assert len(re.findall(r'<img src="data:image/svg\+xml;base64,', page)) == len(FIGURES) == page.count("<img")
 
 
-def test_csv_files_hold_what_is_drawn(folder: Path, found: dict[str, Finding]):
+def test_csv_files_hold_the_curves(folder: Path, found: dict[str, Finding]):
     table = read_csv(folder / "fig05.csv")
     name = "Driver acceleration (m/s²), Uncontrolled"
     assert list(table)[:2] == ["Time (s)", name]
@@ -197,14 +191,14 @@ def test_csv_files_hold_what_is_drawn(folder: Path, found: dict[str, Finding]):
         assert len(drawn) >= min(curves, 2)
 
 
-def test_reproduce_without_a_word_makes_the_report_of_the_same_bytes(shell: Shell, folder: Path, tmp_path: Path):
+def test_reproduce_alone_writes_the_same_report(shell: Shell, folder: Path, tmp_path: Path):
     code, out, err = shell("reproduce")
     assert (code, err) == (0, "")
     made = tmp_path / "results" / "report"
     assert [path.name for path in made.iterdir() if path.read_bytes() != (folder / path.name).read_bytes()] == []
     assert len(list(made.iterdir())) == len(list(folder.iterdir()))
-    for words in ("fitted", "predicted", "simulated", "0.37 to 0.52", "3.21", "page results/report/index.html"):
-        assert words in out
+    for text in ("fitted", "predicted", "simulated", "0.37 to 0.52", "3.21", "page results/report/index.html"):
+        assert text in out
 
 
 def test_a_driver_is_refused_where_the_paper_has_its_own(shell: Shell, tmp_path: Path):
@@ -231,8 +225,11 @@ window.addEventListener("load", () => {
 </script>"""
 
 
-def look(page: str, width: int, folder: Path) -> tuple[int, int, int, int]:
-    """Show a page in a frame, as a browser's own window does not get as narrow as a phone; returns what is found."""
+def show(page: str, width: int, folder: Path) -> tuple[int, int, int, int]:
+    """Show a page in a frame, as a browser's own window does not get as narrow as a phone.
+
+    Returns the page's width, the frame's, and the numbers of pictures that are shown and that are not.
+    """
     inside = page.replace("<head>", f"<head>{PROBE}", 1)
     frame = f'<iframe style="border: 0" width="{width}" height="800" srcdoc="{escape(inside)}"></iframe>'
     (folder / "frame.html").write_text(f"<!doctype html><meta charset=utf-8><title></title>{frame}", encoding="utf-8")
@@ -247,13 +244,13 @@ def look(page: str, width: int, folder: Path) -> tuple[int, int, int, int]:
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 @pytest.mark.parametrize("width", [390, 1280])
-def test_a_browser_shows_all_figures_and_nothing_sticks_out(page: str, width: int, tmp_path: Path):
-    assert look(page, width, tmp_path) == (width, width, len(FIGURES), 0)
+def test_a_browser_shows_all_figures_within_the_width(page: str, width: int, tmp_path: Path):
+    assert show(page, width, tmp_path) == (width, width, len(FIGURES), 0)
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
-def test_the_look_sees_what_sticks_out_and_what_is_not_shown(page: str, tmp_path: Path):
+def test_a_page_too_wide_and_a_broken_figure_are_detected(page: str, tmp_path: Path):
     spoiled = page.replace("</h1>", '</h1><p style="width: 450px">wide</p>', 1).replace("base64,", "base64,!", 1)
-    wide, window, pictures, failed = look(spoiled, 390, tmp_path)
+    wide, window, pictures, failed = show(spoiled, 390, tmp_path)
     assert wide > window
     assert (pictures, failed) == (len(FIGURES) - 1, 1)

@@ -1,4 +1,4 @@
-"""The command simulate: any system, edited on the command line; what is wrong is seen before an FMU is loaded."""
+"""The command simulate: any system, changed on the command line; errors are found before an FMU is loaded."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_a_system_runs_as_its_file_says(shell: Shell, ssp: str, tmp_path: Path):
     assert result["time"][-1] == 0.2
 
 
-def test_words_win_over_files_and_files_over_the_system(shell: Shell, ssp: str, tmp_path: Path):
+def test_options_win_over_files_and_files_over_the_system(shell: Shell, ssp: str, tmp_path: Path):
     (tmp_path / "mass.ssv").write_text(
         '<ssv:ParameterSet xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues" version="1.0" '
         'name="mass"><ssv:Parameters><ssv:Parameter name="seat.driver_mass"><ssv:Real value="70"/></ssv:Parameter>'
@@ -60,7 +60,7 @@ def test_words_win_over_files_and_files_over_the_system(shell: Shell, ssp: str, 
     assert saved.stop_time == 0.1
 
 
-def test_jacobi_says_that_the_force_is_late(shell: Shell, ssp: str):
+def test_jacobi_reports_that_the_force_is_late(shell: Shell, ssp: str):
     code, out, _ = shell("simulate", ssp, "--algorithm", "jacobi")
     assert code == 0
     assert "all components exchange their values at once" in out
@@ -95,14 +95,14 @@ def test_own_steps_and_records(shell: Shell, ssp: str, tmp_path: Path):
     assert len(result["time"]) == 11
 
 
-def test_a_run_in_real_time_tells_of_its_deadlines(shell: Shell, ssp: str):
+def test_a_run_in_real_time_reports_its_deadlines(shell: Shell, ssp: str):
     code, out, _ = shell("simulate", ssp, "--real-time")
     assert code == 0
     assert "deadlines missed, the worst by" in out
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (("--replace", "shaker"), "--replace shaker: expected COMPONENT=FILE.fmu"),
         (("--replace", "shakr=x.fmu"), "shakr: expected a component among"),
@@ -121,12 +121,12 @@ def test_a_run_in_real_time_tells_of_its_deadlines(shell: Shell, ssp: str):
         (("--isolate", "chair"), "chair"),
     ],
 )
-def test_what_is_wrong_is_one_line_and_leaves_nothing(
-    shell: Shell, ssp: str, tmp_path: Path, words: tuple[str, ...], said: str
+def test_an_error_is_one_line_and_leaves_no_files(
+    shell: Shell, ssp: str, tmp_path: Path, words: tuple[str, ...], message: str
 ):
     code, _, err = shell("simulate", ssp, *words)
     assert code == 2
-    assert said in err
+    assert message in err
     assert err.count("\n") == 1
     assert not (tmp_path / "results").exists()
 

@@ -75,6 +75,7 @@ def test_runs_agree_with_the_implicit_solver(system: System, case: Case, scenari
     check(errors(result, expected))
 
 
+@pytest.mark.slow
 def test_the_solver_itself_agrees_with_the_golden_data():
     expected = read_csv(DATA / "bump55_observer1.csv")
     found = solve(Case(), bump(), 500)

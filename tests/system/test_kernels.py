@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.component import Component, ParameterError, numbers_of, state_fields, state_of
+from fmus.component import Component, ParameterError, pack_state, state_fields, unpack_state
 from fmus.export.native_fmu import STANDARDS, source_files
 from fmus.export.sources import kernel_files
-from fmus.variables import Variable
-from plant_models.seat.actuator import PLACES
+from fmus.variables import VariableDeclaration
+from plant_models.seat.actuator import DELAY_LINE_CAPACITY
 from seat_cosim.components import COMPONENTS
 from tests.helpers.paths import ROOT
 
-SAMPLES = [("initial", 10_000), ("advance", 20_000), pytest.param("advance", 100_000, marks=pytest.mark.long)]
+SAMPLES = [("initialize", 10_000), ("advance", 20_000), pytest.param("advance", 100_000, marks=pytest.mark.long)]
 RELATIVE = 1e-12
 FLOOR = 1e-15
 """Differences below this share of a column's largest magnitude do not count: what cancels leaves no digits."""
@@ -37,6 +37,8 @@ INCLUDES = [f"-I{ROOT / folder}" for folder in ("fmus", "plant_models")]
 CONTROLLER = "src/seat_controller_fmu/controller.c"
 
 gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+
+pytestmark = pytest.mark.builds
 
 
 def compile_c(folder: Path, *words: str) -> None:
@@ -56,7 +58,7 @@ def library(component: Component, folder: Path) -> ctypes.CDLL:
     return ctypes.CDLL(str(folder / "parity.so"))
 
 
-def random_values(variable: Variable, count: int, random: np.random.Generator) -> np.ndarray:
+def random_values(variable: VariableDeclaration, count: int, random: np.random.Generator) -> np.ndarray:
     """Values over a variable's range, its ends and its start included; two decades where it has no range."""
     low, high = variable.minimum, variable.maximum
     if variable.variability == "constant":
@@ -92,9 +94,9 @@ STATE_SCALES = {
         "floor.acceleration": 2.0,
         "floor.age": 2e-3,
         "floor.interval": 2e-3,
-        "floor.reached": 0.05,
-        "sensed.acceleration": 2.0,
-        "sensed.deflection": 0.02,
+        "floor.end_displacement": 0.05,
+        "filtered.acceleration": 2.0,
+        "filtered.deflection": 0.02,
         "actuator.commanded": 100.0,
         "actuator.target": 100.0,
         "actuator.force": 100.0,
@@ -109,9 +111,9 @@ DURATIONS = {"floor.age", "floor.interval"}
 
 def delay_lines(times: np.ndarray, random: np.random.Generator) -> list[np.ndarray]:
     """Length and content of actuators' delay lines: arrivals in ascending order, some due, and forces."""
-    lines = np.zeros((len(times), 1 + 2 * PLACES))
+    lines = np.zeros((len(times), 1 + 2 * DELAY_LINE_CAPACITY))
     for line, time in zip(lines, times, strict=True):
-        length = int(random.choice([0, 1, 3, PLACES - 1, PLACES]))
+        length = int(random.choice([0, 1, 3, DELAY_LINE_CAPACITY - 1, DELAY_LINE_CAPACITY]))
         line[0] = 2 * length
         line[1 : 1 + 2 * length : 2] = time + np.sort(random.choice([0.0, 1e-3, 0.01, 0.2]) * random.random(length))
         line[2 : 2 + 2 * length : 2] = random.normal(0.0, 100.0, length)
@@ -157,10 +159,10 @@ def python_twin(
         return None
     arguments: list[Any] = [component.inputs(*by["input"]), coefficients, *times]
     if call is component.advance:
-        arguments.insert(0, state_of(component.state, state.tolist()))
+        arguments.insert(0, unpack_state(component.state, state.tolist()))
     left, outputs = call(*arguments)
     names = [v.field for v in variables if v.causality == "output"]
-    return numbers_of(left), [float(getattr(outputs, name)) for name in names]
+    return pack_state(left), [float(getattr(outputs, name)) for name in names]
 
 
 def pointer(array: np.ndarray, kind: Any = ctypes.c_double) -> Any:
@@ -221,7 +223,7 @@ def test_kernels_compile_without_any_warning(kernel: str, tmp_path: Path):
 
 
 @gcc
-def test_the_controller_stands_alone_in_single_precision_too(tmp_path: Path):
+def test_the_controller_compiles_alone_in_single_precision(tmp_path: Path):
     for name in ("controller.c", "controller.h"):
         shutil.copy(ROOT / "src/seat_controller_fmu" / name, tmp_path)
     options = [*STRICT, "-Wdouble-promotion", "-DSEAT_CONTROLLER_REAL=float", "-O2"]

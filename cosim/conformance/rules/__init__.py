@@ -1,1 +1,1 @@
-"""The rules, a module for each group."""
+"""The rules of the conformance suite, one module for each group."""

@@ -1,4 +1,4 @@
-"""Rules about the archive: where files lie in it, what they are called and what kind they are of."""
+"""Rules about the archive: locations, names and types of its files."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from pathlib import PurePosixPath
 
 from lxml import etree
 
-from cosim.conformance.fmu_archive import Subject
+from cosim.conformance.fmu_archive import FmuArchive
 from cosim.conformance.rule import Advice, NotApplicableError, rule
-from cosim.fmi.archive import is_encrypted, is_outside, is_special, leaves
+from cosim.fmi.archive import is_encrypted, is_outside, is_special, is_unsafe_path
 from cosim.fmi.repairs import DESCRIPTION
+from cosim.fmi.xml import safe_parser
 
 _CLAUSE = "2.0 §2.3; 3.0 §2.5.1"
 
@@ -21,10 +22,10 @@ ROOT = {
     2: {"documentation", "sources", "binaries", "resources", "extra", "modelDescription.xml", "model.png"},
     3: {"documentation", "sources", "binaries", "resources", "extra", "modelDescription.xml", "terminalsAndIcons"},
 }
-"""What may lie in the archive's root."""
+"""Major version of FMI to the allowed entries of the archive's root."""
 
 LITTER = re.compile(r"(^|/)(__MACOSX|\.DS_Store|Thumbs\.db|desktop\.ini|\.git|\.svn)(/|$)|(~|\.bak|\.orig|\.tmp)$")
-"""What systems and editors leave behind."""
+"""Paths of files that operating systems and editors create."""
 
 PLATFORMS = {
     "win32": (".dll", "PE x86"),
@@ -34,7 +35,7 @@ PLATFORMS = {
     "darwin32": (".dylib", "Mach-O x86"),
     "darwin64": (".dylib", "Mach-O x86_64"),
 }
-"""Folders of FMI 2.0 to a library's suffix and format."""
+"""Platform folder of FMI 2.0 to the suffix and format of its libraries."""
 
 _TUPLE = re.compile(r"(?P<machine>[a-z0-9_]+)-(?P<system>windows|linux|darwin)(-[a-z0-9_]+)?")
 _SYSTEMS = {"windows": (".dll", "PE"), "linux": (".so", "ELF"), "darwin": (".dylib", "Mach-O")}
@@ -46,30 +47,35 @@ _MACH = {7: "x86", 0x01000007: "x86_64", 12: "aarch32", 0x0100000C: "aarch64"}
 
 
 @rule("archive.readable", "The FMU is a zip archive without damage", clause=_CLAUSE, stage="archive")
-def readable(fmu: Subject) -> Iterator[str]:
-    if fmu.archive is None:
+def readable(fmu: FmuArchive) -> Iterator[str]:
+    if fmu.zip_file is None:
         yield f"{fmu.path.name}: expected a zip archive, got another kind of file"
         return
-    if fmu.unsafe:
-        return  # do not read what may have no end
+    if fmu.extraction_problem:
+        return  # another rule reports it, and the archive may be too large to read
     try:
-        damaged = fmu.archive.testzip()
-    except Exception as error:
+        damaged = fmu.zip_file.testzip()
+    except Exception as error:  # zipfile raises exceptions of many types for damaged archives
         yield f"{fmu.path.name}: expected an archive that can be extracted, got: {error}"
     else:
         if damaged:
-            yield f"member {damaged}: expected what its checksum says, got damaged content"
+            yield f"member {damaged}: expected the content of its checksum, got damaged content"
 
 
-@rule("archive.paths", "Paths are relative, with forward slashes, and stay inside", clause=_CLAUSE, stage="archive")
-def paths(fmu: Subject) -> Iterator[str]:
+@rule(
+    "archive.paths",
+    "Paths are relative, with forward slashes, and stay inside the archive",
+    clause=_CLAUSE,
+    stage="archive",
+)
+def paths(fmu: FmuArchive) -> Iterator[str]:
     for member in fmu.members:
         if is_outside(member):
             yield f"member {member.orig_filename!r}: expected a relative path with forward slashes inside the archive"
 
 
-@rule("archive.duplicates", "Each path comes once", clause=_CLAUSE, stage="archive")
-def duplicates(fmu: Subject) -> Iterator[str]:
+@rule("archive.duplicates", "Paths are unique", clause=_CLAUSE, stage="archive")
+def duplicates(fmu: FmuArchive) -> Iterator[str]:
     times = Counter(str(PurePosixPath(member.filename)) for member in fmu.members)
     yield from (f"member {name}: expected it once, got it {n} times" for name, n in times.items() if n > 1)
     lower = Counter(name.lower() for name in times)
@@ -80,7 +86,7 @@ def duplicates(fmu: Subject) -> Iterator[str]:
 
 
 @rule("archive.kinds", "Members are files and folders, neither links nor encrypted", clause=_CLAUSE, stage="archive")
-def kinds(fmu: Subject) -> Iterator[str]:
+def kinds(fmu: FmuArchive) -> Iterator[str]:
     for member in fmu.members:
         if is_special(member):
             yield f"member {member.filename}: expected a file or folder, got a link or a device"
@@ -89,45 +95,45 @@ def kinds(fmu: Subject) -> Iterator[str]:
 
 
 @rule("archive.compression", "Members are stored or deflated", clause=_CLAUSE, stage="archive")
-def compression(fmu: Subject) -> Iterator[str]:
+def compression(fmu: FmuArchive) -> Iterator[str]:
     for member in fmu.members:
         if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
             yield f"member {member.filename}: expected method 0 (store) or 8 (deflate), got {member.compress_type}"
 
 
 @rule("archive.size", "The archive does not grow out of proportion when extracted", stage="archive")
-def size(fmu: Subject) -> list[str]:
+def size(fmu: FmuArchive) -> list[str]:
     return fmu.size_problems
 
 
 @rule("archive.description", f"There is a {DESCRIPTION} in the root", clause=_CLAUSE, stage="archive")
-def description(fmu: Subject) -> Iterator[str]:
-    if fmu.archive is not None and PurePosixPath(DESCRIPTION) not in fmu.files:
+def description(fmu: FmuArchive) -> Iterator[str]:
+    if fmu.zip_file is not None and PurePosixPath(DESCRIPTION) not in fmu.files:
         deeper = [str(path) for path in fmu.files if path.name.lower() == DESCRIPTION.lower()]
         yield f"expected {DESCRIPTION} in the archive's root, got {', '.join(deeper) or 'none'}"
 
 
 @rule(
     "archive.stray",
-    "The root holds what the standard names, and nothing is left over from editing",
+    "The root holds the entries of the standard only, and no files of operating systems and editors",
     clause=_CLAUSE,
     stage="archive",
     severity="warning",
 )
-def stray(fmu: Subject) -> Iterator[str]:
+def stray(fmu: FmuArchive) -> Iterator[str]:
     known = ROOT[_standard(fmu)]
-    inside = (path for path, member in fmu.files.items() if path.parts and not leaves(member.orig_filename))
+    inside = (path for path, member in fmu.files.items() if path.parts and not is_unsafe_path(member.orig_filename))
     for name in dict.fromkeys(path.parts[0] for path in inside):
         if name not in known and not LITTER.search(name) and name.lower() != DESCRIPTION.lower():
             yield f"{name}: expected one of {', '.join(sorted(known))} in the root, got an unknown entry"
     for path in fmu.files:
         if LITTER.search(str(path)):
-            yield f"{path}: expected files of the FMU, got what a system or an editor left behind"
+            yield f"{path}: expected files of the FMU, got one of an operating system or an editor"
 
 
 @rule("archive.implementation", "There are binaries or sources", clause=_CLAUSE, stage="archive")
-def implementation(fmu: Subject) -> Iterator[str]:
-    if fmu.archive is not None and not fmu.under("binaries") and not fmu.under("sources"):
+def implementation(fmu: FmuArchive) -> Iterator[str]:
+    if fmu.zip_file is not None and not fmu.files_under("binaries") and not fmu.files_under("sources"):
         yield "expected files in binaries or sources, got none"
 
 
@@ -137,11 +143,11 @@ def implementation(fmu: Subject) -> Iterator[str]:
     clause="2.0 §2.3; 3.0 §2.5.1.4.1",
     stage="archive",
 )
-def platforms(fmu: Subject) -> Iterator[str]:
+def platforms(fmu: FmuArchive) -> Iterator[str]:
     standard = _standard(fmu)
-    for path in fmu.under("binaries"):
+    for path in fmu.files_under("binaries"):
         if len(path.parts) == 1:
-            yield Advice(f"binaries/{path}: expected it in the folder of a platform")
+            yield Advice(f"binaries/{path}: expected a file in a platform's folder")
     for folder in _platforms(fmu):
         match = _TUPLE.fullmatch(folder)
         if standard == 3 and folder.lower() in PLATFORMS:
@@ -151,7 +157,7 @@ def platforms(fmu: Subject) -> Iterator[str]:
         elif standard == 2 and match and (match["machine"], match["system"]) in _NAMED:
             yield f"binaries/{folder}: expected {_NAMED[match['machine'], match['system']]}, got a name of FMI 3.0"
         elif standard == 3 and (match is None or match["machine"] not in _MACHINES):
-            yield Advice(f"binaries/{folder}: expected a platform that importers know, got another name")
+            yield Advice(f"binaries/{folder}: expected a known platform, got another name")
 
 
 _NAMED = {
@@ -159,36 +165,47 @@ _NAMED = {
     for system, name in (("windows", "win"), ("linux", "linux"), ("darwin", "darwin"))
     for machine, bits in (("x86", "32"), ("x86_64", "64"))
 }
-"""Platforms that have names in FMI 2.0."""
+"""Machine and operating system of FMI 3.0 to the platform folder of FMI 2.0."""
 
 
 @rule("archive.binaries", "Each platform has a library named by the model identifier", clause=_CLAUSE, stage="archive")
-def binaries(fmu: Subject) -> Iterator[str]:
+def binaries(fmu: FmuArchive) -> Iterator[str]:
     name = _identifier(fmu)
     for folder in _platforms(fmu):
         suffix = _expected(folder)[0]
-        found = [str(path) for path in fmu.under(f"binaries/{folder}")]
+        found = [str(path) for path in fmu.files_under(f"binaries/{folder}")]
         static = any(path.endswith((".a", ".lib")) for path in found)
         if suffix and f"{name}{suffix}" not in found and not static:
             yield f"binaries/{folder}: expected {name}{suffix}, got {', '.join(sorted(found)[:3]) or 'nothing'}"
 
 
 @rule("archive.machine", "Libraries have the format and machine of their folder", clause=_CLAUSE, stage="archive")
-def machine(fmu: Subject) -> Iterator[str]:
+def machine(fmu: FmuArchive) -> Iterator[str]:
     name = _identifier(fmu)
     for folder in _platforms(fmu):
         suffix, expected = _expected(folder)
-        member = fmu.under(f"binaries/{folder}").get(PurePosixPath(f"{name}{suffix}"))
+        member = fmu.files_under(f"binaries/{folder}").get(PurePosixPath(f"{name}{suffix}"))
         if member is None or not suffix:
             continue
-        found = formats(fmu.head(member, 4096))
+        found = formats(fmu.first_bytes(member, 4096))
         if expected not in found:
             got = " and ".join(found) or "another kind of file"
             yield f"binaries/{folder}/{name}{suffix}: expected a library for {expected}, got {got}"
 
 
 def formats(head: bytes) -> list[str]:
-    """Tell a library's format and machines from its first bytes; nothing of one that is none."""
+    """Determine a library's format and machines.
+
+    Parameters
+    ----------
+    head
+        The first bytes of the library, at least its headers.
+
+    Returns
+    -------
+    list of str
+        Format and machine, for example ``ELF x86_64``; several for a universal binary, none for another kind of file.
+    """
     if head[:4] == b"\x7fELF" and len(head) > 20:
         machine = int.from_bytes(head[18:20], "little" if head[5] == 1 else "big")
         return [f"ELF {_ELF.get(machine, machine)}".replace("riscv64", "riscv64" if head[4] == 2 else "riscv32")]
@@ -198,7 +215,7 @@ def formats(head: bytes) -> list[str]:
             return [f"PE {_PE.get(int.from_bytes(head[at + 4 : at + 6], 'little'), 'unknown')}"]
     if head[:4] in (b"\xcf\xfa\xed\xfe", b"\xce\xfa\xed\xfe"):
         return [f"Mach-O {_MACH.get(int.from_bytes(head[4:8], 'little'), 'unknown')}"]
-    if head[:4] == b"\xca\xfe\xba\xbe":  # several machines in one file
+    if head[:4] == b"\xca\xfe\xba\xbe":  # a universal binary for several machines
         count = min(int.from_bytes(head[4:8], "big"), 8)
         numbers = (int.from_bytes(head[8 + 20 * i : 12 + 20 * i], "big") for i in range(count))
         return [f"Mach-O {_MACH.get(number, 'unknown')}" for number in numbers]
@@ -207,12 +224,12 @@ def formats(head: bytes) -> list[str]:
 
 @rule(
     "archive.sources",
-    "Sources come with the list of what is to be compiled, and all of that is there",
+    "Sources come with a list of the files to compile, and these exist",
     clause="2.0 §4.3.1; 3.0 §2.5.1.3",
     stage="archive",
 )
-def sources(fmu: Subject) -> Iterator[str]:
-    found = {str(path) for path in fmu.under("sources")}
+def sources(fmu: FmuArchive) -> Iterator[str]:
+    found = {str(path) for path in fmu.files_under("sources")}
     if not found and not (fmu.description and fmu.description.source_files):
         raise NotApplicableError("the FMU has no sources")
     if _standard(fmu) == 2:
@@ -222,19 +239,19 @@ def sources(fmu: Subject) -> Iterator[str]:
         where = "buildDescription.xml"
         if where not in found:
             text = f"sources: expected a {where}, got none"
-            yield Advice(text) if fmu.under("binaries") else text  # they may be there for reading
+            yield Advice(text) if fmu.files_under("binaries") else text  # the sources may be for reading only
             return
         listed = tuple(_listed(fmu))
     for name in listed:
         if str(PurePosixPath(name)) not in found:
-            yield f"{where}: expected files in sources, got {name}, which is not there"
+            yield f"{where}: expected files in sources, got {name}, which does not exist"
 
 
-def _listed(fmu: Subject) -> Iterator[str]:
-    assert fmu.archive is not None
+def _listed(fmu: FmuArchive) -> Iterator[str]:
+    assert fmu.zip_file is not None
     try:
-        root = etree.fromstring(fmu.archive.read("sources/buildDescription.xml"))
-    except Exception:  # told by the rule on archives, or by the next tool
+        root = etree.fromstring(fmu.zip_file.read("sources/buildDescription.xml"), safe_parser())
+    except Exception:  # a damaged archive, which archive.readable reports, or invalid XML
         return
     yield from (file.get("name", "") for file in root.iter("SourceFile"))
 
@@ -246,8 +263,8 @@ def _listed(fmu: Subject) -> Iterator[str]:
     stage="archive",
     severity="warning",
 )
-def documentation(fmu: Subject) -> Iterator[str]:
-    found = {str(path) for path in fmu.under("documentation")}
+def documentation(fmu: FmuArchive) -> Iterator[str]:
+    found = {str(path) for path in fmu.files_under("documentation")}
     if not found:
         raise NotApplicableError("the FMU has no documentation")
     entries = {f"licenses/license.{suffix}" for suffix in ("txt", "html", "spdx")}
@@ -257,23 +274,23 @@ def documentation(fmu: Subject) -> Iterator[str]:
         yield "documentation: expected an index.html, got pages without it"
 
 
-def _standard(fmu: Subject) -> int:
-    return fmu.description.standard if fmu.description else 3 if fmu.under("terminalsAndIcons") else 2
+def _standard(fmu: FmuArchive) -> int:
+    return fmu.description.fmi_major if fmu.description else 3 if fmu.files_under("terminalsAndIcons") else 2
 
 
-def _identifier(fmu: Subject) -> str:
-    if fmu.description is None or not fmu.description.identifier:
+def _identifier(fmu: FmuArchive) -> str:
+    if fmu.description is None or not fmu.description.model_identifier:
         raise NotApplicableError("the description names no model identifier for co-simulation")
-    return fmu.description.identifier
+    return fmu.description.model_identifier
 
 
-def _platforms(fmu: Subject) -> list[str]:
-    """Return the folders with binaries."""
-    return list(dict.fromkeys(path.parts[0] for path in fmu.under("binaries") if len(path.parts) > 1))
+def _platforms(fmu: FmuArchive) -> list[str]:
+    """Return the platform folders that contain files."""
+    return list(dict.fromkeys(path.parts[0] for path in fmu.files_under("binaries") if len(path.parts) > 1))
 
 
 def _expected(folder: str) -> tuple[str, str]:
-    """Return suffix and format of the libraries in a folder; nothing for a platform that is not known."""
+    """Return the suffix and format of the libraries in a platform folder; empty for an unknown platform."""
     if folder in PLATFORMS:
         return PLATFORMS[folder]
     match = _TUPLE.fullmatch(folder)

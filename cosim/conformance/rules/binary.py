@@ -1,4 +1,4 @@
-"""Rules about the library for this machine: it can be loaded, and has all functions of the standard."""
+"""Rules about the library for this platform: it can be loaded and exports all functions of the standard."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import os
 from collections.abc import Iterator
 from contextlib import chdir
 
-from cosim.conformance.harness import Bench
-from cosim.conformance.raw_instance import Library2, Library3, library_path
+from cosim.conformance.harness import Harness
+from cosim.conformance.raw_instance import library_class, library_path
 from cosim.conformance.rule import rule
 
-LOADED = ("binary.loads",)
-"""What rules need that call the FMU."""
+NEEDS_LIBRARY = ("binary.loads",)
+"""Needs of the rules that call functions of the FMU."""
 
 
 @rule("binary.loads", "The library can be loaded", clause="2.0 §2.3; 3.0 §2.5.1.4", stage="behaviour")
-def loads(bench: Bench) -> Iterator[str]:
-    path = library_path(bench.description, bench.folder)
+def loads(harness: Harness) -> Iterator[str]:
+    path = library_path(harness.description, harness.folder)
     try:
         with chdir(path.parent):
             ctypes.CDLL(str(path), mode=getattr(os, "RTLD_NOW", 2))
@@ -33,11 +33,11 @@ def loads(bench: Bench) -> Iterator[str]:
     stage="behaviour",
     needs=("binary.loads",),
 )
-def symbols(bench: Bench) -> Iterator[str]:
-    path = library_path(bench.description, bench.folder)
+def symbols(harness: Harness) -> Iterator[str]:
+    path = library_path(harness.description, harness.folder)
     with chdir(path.parent):
         library = ctypes.CDLL(str(path))
-    expected = {2: Library2, 3: Library3}[bench.description.standard].prototypes()
+    expected = library_class(harness.description).prototypes()
     missing = [name for name in expected if not hasattr(library, name)]
     if missing:
         more = f" and {len(missing) - 5} more" if len(missing) > 5 else ""
@@ -46,17 +46,17 @@ def symbols(bench: Bench) -> Iterator[str]:
 
 @rule(
     "binary.version",
-    "The library is of the standard's version that the description names",
+    "The library has the version of the standard that the description declares",
     clause="2.0 §2.1.4; 3.0 §2.2.5",
     stage="behaviour",
-    needs=LOADED,
+    needs=NEEDS_LIBRARY,
 )
-def version(bench: Bench) -> Iterator[str]:
-    told = (bench.library.function("GetVersion")() or b"").decode(errors="replace")
-    expected = bench.description.attributes["fmiVersion"]
-    if told.split(".")[:2] != expected.split(".")[:2]:
-        yield f"{bench.library.PREFIX}GetVersion: expected {expected}, got {told or 'nothing'}"
-    if bench.description.standard == 2:
-        platform = (bench.library.function("GetTypesPlatform")() or b"").decode(errors="replace")
+def version(harness: Harness) -> Iterator[str]:
+    returned = (harness.library.function("GetVersion")() or b"").decode(errors="replace")
+    expected = harness.description.attributes["fmiVersion"]
+    if returned.split(".")[:2] != expected.split(".")[:2]:
+        yield f"{harness.library.PREFIX}GetVersion: expected {expected}, got {returned or 'nothing'}"
+    if harness.description.fmi_major == 2:
+        platform = (harness.library.function("GetTypesPlatform")() or b"").decode(errors="replace")
         if platform != "default":
             yield f"fmi2GetTypesPlatform: expected default, got {platform or 'nothing'}"

@@ -1,4 +1,4 @@
-"""A second opinion on the description, where no rule of ours found anything."""
+"""The rule that applies fmpy's own validation where no other rule on the description found anything."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import fmpy
 from fmpy.validation import validate_model_description
 
-from cosim.conformance.fmu_archive import Subject
+from cosim.conformance.fmu_archive import FmuArchive
 from cosim.conformance.rule import rule
-from cosim.conformance.rules.description import described
+from cosim.conformance.rules.description import require_description
 from cosim.fmi.repairs import DESCRIPTION
 
 
@@ -18,12 +18,12 @@ from cosim.fmi.repairs import DESCRIPTION
     "fmpy's own validation finds nothing either",
     clause="2.0 §2.2; 3.0 §2.4",
     stage="description",
-    last=True,
+    only_if_stage_passed=True,
 )
-def second_opinion(fmu: Subject) -> Iterator[str]:
-    described(fmu)
+def fmpy_validation(fmu: FmuArchive) -> Iterator[str]:
+    require_description(fmu)
     try:
         found = fmpy.read_model_description(str(fmu.path), validate=False)
         yield from validate_model_description(found, validate_model_structure=True)
-    except Exception as error:  # whatever fmpy stumbles over
+    except Exception as error:  # fmpy raises exceptions of many types for invalid files
         yield f"{DESCRIPTION}: expected a description that fmpy can read, got: {error}"

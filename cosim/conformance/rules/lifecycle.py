@@ -1,66 +1,73 @@
-"""Rules about an instance's life: from the first call to the last, in order and out of order, alone and with others."""
+"""Rules about the lifecycle of instances: calls in the allowed order and in others, one instance and several."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterator
 
-from cosim.conformance.harness import Bench, bits, changed, difference, parsed, show
-from cosim.conformance.raw_instance import OK, STATUS, WARNING, RefusedError, Slave
+from cosim.conformance.harness import (
+    Harness,
+    bit_patterns,
+    first_difference,
+    format_values,
+    parsed_start,
+    row_difference,
+)
+from cosim.conformance.raw_instance import OK, STATUS, WARNING, CallFailedError, RawInstance
 from cosim.conformance.rule import NotApplicableError, rule
-from cosim.conformance.rules.binary import LOADED
+from cosim.conformance.rules.binary import NEEDS_LIBRARY
 
-RUNS = ("steps.inputs",)
-"""What rules need that run the FMU with moving inputs."""
+NEEDS_RUN = ("steps.inputs",)
+"""Needs of the rules that run the FMU with varying inputs."""
 
 
 @rule(
     "lifecycle.instantiate",
-    "The description's GUID or token is the library's: an instance can be made with it",
+    "The library accepts the description's GUID or token: it returns an instance",
     clause="2.0 §2.1.5; 3.0 §2.3.1",
     stage="behaviour",
-    needs=LOADED,
+    needs=NEEDS_LIBRARY,
 )
-def instantiate(bench: Bench) -> None:
-    if any(v.type == "Clock" for v in bench.description.variables):
+def instantiate(harness: Harness) -> None:
+    if any(v.type == "Clock" for v in harness.description.variables):
         raise NotApplicableError("the FMU has clocks, for which it needs a master with event mode")
     try:
-        with bench.instance():
+        with harness.instance():
             pass
-    except RefusedError as error:
-        if bench.description.can("needsExecutionTool"):
-            raise RefusedError(f"{error}; the FMU needs another tool, which may be missing here") from None
+    except CallFailedError as error:
+        if harness.description.has_capability("needsExecutionTool"):
+            raise CallFailedError(f"{error}; the FMU needs another tool, which may be missing here") from None
         raise
 
 
 @rule(
     "lifecycle.token",
-    "Another GUID or token is refused: library and description belong together",
+    "Another GUID or token is rejected",
     clause="2.0 §2.1.5; 3.0 §2.3.1",
     stage="behaviour",
     severity="warning",
     needs=("lifecycle.instantiate",),
 )
-def token(bench: Bench) -> Iterator[str]:
-    wrong = f"{bench.description.token}0"
-    if bench.library.make("it", wrong):
-        yield f"expected no instance with {wrong} instead of {bench.description.token}, got one"
+def token(harness: Harness) -> Iterator[str]:
+    wrong = f"{harness.description.token}0"
+    if harness.library.instantiate("instance", wrong):
+        yield f"expected no instance with {wrong} instead of {harness.description.token}, got one"
 
 
 @rule(
     "lifecycle.sequence",
-    "The plain sequence works: instantiate, initialise, step, terminate, free",
+    "The standard sequence works: instantiate, initialize, step, terminate, free",
     clause="2.0 §4.2.4; 3.0 §4.2.1",
     stage="behaviour",
     needs=("lifecycle.instantiate",),
 )
-def sequence(bench: Bench) -> None:
-    with bench.started() as slave:
-        slave.get(bench.observed)
-        for k in range(bench.experiment.steps):
-            step = slave.step(bench.experiment.time(k), bench.experiment.size)
-            slave.get(bench.observed)
-            if step.ended:
+def sequence(harness: Harness) -> None:
+    with harness.initialized() as instance:
+        instance.get_values(harness.observed)
+        for k in range(harness.experiment.steps):
+            result = instance.do_step(harness.experiment.time(k), harness.experiment.step_size)
+            instance.get_values(harness.observed)
+            if result.terminate:
                 break
 
 
@@ -71,35 +78,35 @@ def sequence(bench: Bench) -> None:
     stage="behaviour",
     needs=("lifecycle.instantiate",),
 )
-def free_null(bench: Bench) -> None:
-    bench.library.function("FreeInstance")(None)
+def free_null(harness: Harness) -> None:
+    harness.library.function("FreeInstance")(None)
 
 
 @rule(
     "lifecycle.start-values",
-    "Before it steps, the FMU returns the start values of the description",
+    "In the initialization mode, the FMU returns the start values of the description",
     clause="2.0 §2.1.6, §2.2.7; 3.0 §2.3.2, §2.4.7.4",
     stage="behaviour",
     needs=("lifecycle.sequence",),
 )
-def start_values(bench: Bench) -> Iterator[str]:
-    variables = [v for v in bench.description.variables if v.initial == "exact" and v.type in bench.library.TYPES]
+def start_values(harness: Harness) -> Iterator[str]:
+    variables = [v for v in harness.description.variables if v.initial == "exact" and v.type in harness.library.TYPES]
     variables = [v for v in variables if v.start is not None]
-    with bench.instance() as slave:
-        slave.enter(bench.experiment.start)
-        found = slave.get(variables)
-        slave.leave()
-        slave.demand("Terminate")
+    with harness.instance() as instance:
+        instance.enter_initialization_mode(harness.experiment.start_time)
+        found = instance.get_values(variables)
+        instance.exit_initialization_mode()
+        instance.call_ok("Terminate")
     for v in variables:
-        expected = tuple(map(_plain, parsed(v)))
+        expected = tuple(map(_comparable, parsed_start(v)))
         expected = expected * len(found[v.name]) if len(expected) == 1 else expected  # one for all elements
-        got = tuple(map(_plain, found[v.name]))
-        if bits(expected) != bits(got):
-            yield f"{v}: expected start value {show(expected)}, got {show(got)}"
+        got = tuple(map(_comparable, found[v.name]))
+        if bit_patterns(expected) != bit_patterns(got):
+            yield f"{v}: expected start value {format_values(expected)}, got {format_values(got)}"
 
 
-def _plain(value: object) -> object:
-    """Return a value as what it compares by: truths as numbers, no text as an empty one, 0 without a sign."""
+def _comparable(value: object) -> object:
+    """Convert a value for comparison: Booleans to integers, a null string to an empty one, -0 to 0."""
     if isinstance(value, float):
         return value + 0.0
     return int(value) if isinstance(value, bool) else b"" if value is None else value
@@ -107,60 +114,60 @@ def _plain(value: object) -> object:
 
 @rule(
     "lifecycle.terminated",
-    "After the end values can still be read, and are those of the last step",
+    "After Terminate, the values can still be read and are those of the last step",
     clause="2.0 §4.2.4; 3.0 §2.3.7",
     stage="behaviour",
-    needs=RUNS,
+    needs=NEEDS_RUN,
 )
-def terminated(bench: Bench) -> Iterator[str]:
-    with bench.instance() as slave:
-        bench.start(slave)
-        rows = bench.run(slave, last=min(2, bench.experiment.steps))
-        slave.demand("Terminate")
-        if text := changed(rows[-1], slave.get(bench.observed)):
+def terminated(harness: Harness) -> Iterator[str]:
+    with harness.instance() as instance:
+        harness.initialize(instance)
+        rows = harness.run(instance, last=min(2, harness.experiment.steps))
+        instance.call_ok("Terminate")
+        if text := row_difference(rows[-1], instance.get_values(harness.observed)):
             yield f"after Terminate: {text}"
 
 
 @rule(
     "lifecycle.reset",
-    "After a reset the FMU is as if it were new",
+    "After Reset, a run gives the same values as that of a new instance",
     clause="2.0 §2.1.6; 3.0 §2.3.1",
     stage="behaviour",
     needs=("steps.deterministic",),
 )
-def reset(bench: Bench) -> Iterator[str]:
-    with bench.instance() as slave:
-        bench.start(slave)
-        fresh = bench.run(slave)
-        slave.demand("Terminate")
-        slave.demand("Reset")
-        bench.start(slave)
-        again = bench.run(slave)
-        slave.demand("Terminate")
-    if text := difference(fresh, again, bench.experiment):
+def reset(harness: Harness) -> Iterator[str]:
+    with harness.instance() as instance:
+        harness.initialize(instance)
+        first = harness.run(instance)
+        instance.call_ok("Terminate")
+        instance.call_ok("Reset")
+        harness.initialize(instance)
+        second = harness.run(instance)
+        instance.call_ok("Terminate")
+    if text := first_difference(first, second, harness.experiment):
         yield f"after Reset: {text}"
 
 
 @rule(
     "lifecycle.instances",
-    "Two instances in one process do not know of each other",
+    "Two instances in one process do not influence each other",
     clause="2.0 §2.1.5; 3.0 §2.3.1",
     stage="behaviour",
     needs=("steps.deterministic",),
 )
-def instances(bench: Bench) -> Iterator[str]:
-    bench.several()
-    with bench.started() as alone:
-        expected = bench.run(alone)
-    with bench.started("one") as one, bench.started("other") as other:
+def instances(harness: Harness) -> Iterator[str]:
+    harness.require_multiple_instances()
+    with harness.initialized() as single:
+        expected = harness.run(single)
+    with harness.initialized("one") as one, harness.initialized("other") as other:
         got = []
-        for k in range(bench.experiment.steps):
-            got += bench.run(one, k, k + 1)
-            if k % 2 == 0:  # the other goes its own way
-                other.step(bench.experiment.time(k // 2), bench.experiment.size)
+        for k in range(harness.experiment.steps):
+            got += harness.run(one, k, k + 1)
+            if k % 2 == 0:  # half as many steps, so that the two are at different times
+                other.do_step(harness.experiment.time(k // 2), harness.experiment.step_size)
             if len(got) == len(expected):
                 break
-    if text := difference(expected, got, bench.experiment):
+    if text := first_difference(expected, got, harness.experiment):
         yield f"beside another instance: {text}"
 
 
@@ -171,50 +178,53 @@ def instances(bench: Bench) -> Iterator[str]:
     stage="behaviour",
     needs=("lifecycle.sequence",),
 )
-def logging(bench: Bench) -> None:
-    categories = [name.encode() for name in bench.description.categories]
-    with bench.started() as slave:
-        slave.demand("SetDebugLogging", False, 0, None)
-        slave.demand("SetDebugLogging", True, 0, None)
+def logging(harness: Harness) -> None:
+    categories = [name.encode() for name in harness.description.categories]
+    with harness.initialized() as instance:
+        instance.call_ok("SetDebugLogging", False, 0, None)
+        instance.call_ok("SetDebugLogging", True, 0, None)
         if categories:
-            slave.demand("SetDebugLogging", True, len(categories), (ctypes.c_char_p * len(categories))(*categories))
+            names = (ctypes.c_char_p * len(categories))(*categories)
+            instance.call_ok("SetDebugLogging", True, len(categories), names)
 
 
-# ---- out of order ----------------------------------------------------------------------------------------------------
+# ---- calls out of order ----------------------------------------------------------------------------------------------
 
 
-def _step_before_initialisation(bench: Bench, slave: Slave) -> int:
-    return slave.library.step(slave.pointer, bench.experiment.start, bench.experiment.size).status
+def _first_step(harness: Harness, instance: RawInstance) -> int:
+    """Make a step from the start time without judging its status, which is returned."""
+    experiment = harness.experiment
+    return instance.library.do_step(instance.pointer, experiment.start_time, experiment.step_size).status
 
 
-def _step_in_initialisation(bench: Bench, slave: Slave) -> int:
-    slave.enter(bench.experiment.start)
-    return slave.library.step(slave.pointer, bench.experiment.start, bench.experiment.size).status
+def _step_in_initialization_mode(harness: Harness, instance: RawInstance) -> int:
+    instance.enter_initialization_mode(harness.experiment.start_time)
+    return _first_step(harness, instance)
 
 
-def _leave_without_entering(bench: Bench, slave: Slave) -> int:
-    return slave.call("ExitInitializationMode")
+def _exit_without_entering(harness: Harness, instance: RawInstance) -> int:
+    return instance.call("ExitInitializationMode")
 
 
-def _enter_twice(bench: Bench, slave: Slave) -> int:
-    slave.enter(bench.experiment.start)
-    return slave.library.enter(slave.pointer, bench.experiment.start, None)[1]
+def _enter_twice(harness: Harness, instance: RawInstance) -> int:
+    instance.enter_initialization_mode(harness.experiment.start_time)
+    return instance.library.enter_initialization_mode(instance.pointer, harness.experiment.start_time, None)[1]
 
 
-def _step_after_the_end(bench: Bench, slave: Slave) -> int:
-    bench.start(slave)
-    slave.demand("Terminate")
-    return slave.library.step(slave.pointer, bench.experiment.start, bench.experiment.size).status
+def _step_after_terminate(harness: Harness, instance: RawInstance) -> int:
+    harness.initialize(instance)
+    instance.call_ok("Terminate")
+    return _first_step(harness, instance)
 
 
-OUT_OF_ORDER: dict[str, Callable[[Bench, Slave], int]] = {
-    "a step before the initialisation": _step_before_initialisation,
-    "a step in the initialisation": _step_in_initialisation,
-    "the end of an initialisation that was not begun": _leave_without_entering,
-    "the begin of an initialisation that was begun already": _enter_twice,
-    "a step after the end": _step_after_the_end,
+OUT_OF_ORDER: dict[str, Callable[[Harness, RawInstance], int]] = {
+    "a step before the initialization": _first_step,
+    "a step in the initialization mode": _step_in_initialization_mode,
+    "exiting the initialization mode without entering it": _exit_without_entering,
+    "entering the initialization mode twice": _enter_twice,
+    "a step after Terminate": _step_after_terminate,
 }
-"""Calls that the state machine does not allow."""
+"""Calls that the state machine does not allow: name to function that makes them and returns the last status."""
 
 
 @rule(
@@ -225,41 +235,41 @@ OUT_OF_ORDER: dict[str, Callable[[Bench, Slave], int]] = {
     severity="warning",
     needs=("lifecycle.sequence",),
 )
-def call_order(bench: Bench) -> Iterator[str]:
+def call_order(harness: Harness) -> Iterator[str]:
     for what, call in OUT_OF_ORDER.items():
-        slave = bench.make()
-        status = call(bench, slave)
+        instance = harness.instantiate()
+        status = call(harness, instance)
         if status <= WARNING:
             yield f"{what}: expected an error, got {STATUS[status]}"
         elif status < len(STATUS) - 2:  # not fatal
-            slave.free()
+            instance.free()
 
 
 @rule(
     "lifecycle.fixed",
-    "Fixed parameters cannot be changed after the initialisation",
+    "Fixed parameters cannot be changed after the initialization",
     clause="2.0 §4.2.4; 3.0 §2.3.4",
     stage="behaviour",
     severity="warning",
     needs=("lifecycle.sequence",),
 )
-def fixed(bench: Bench) -> Iterator[str]:
-    parameters = [v for v in bench.description.variables if (v.causality, v.variability) == ("parameter", "fixed")]
-    parameters = [v for v in parameters if v.type in bench.library.TYPES]
+def fixed(harness: Harness) -> Iterator[str]:
+    parameters = [v for v in harness.description.variables if (v.causality, v.variability) == ("parameter", "fixed")]
+    parameters = [v for v in parameters if v.type in harness.library.TYPES]
     if not parameters:
         raise NotApplicableError("the FMU has no fixed parameters")
     accepted = []
     for v in parameters[:_TRIED]:
-        slave = bench.make()
-        bench.start(slave)
-        values = slave.get([v])[v.name]
-        if slave.set(v, values) == OK:
+        instance = harness.instantiate()
+        harness.initialize(instance)
+        values = instance.get_values([v])[v.name]
+        if instance.set_values(v, values) == OK:
             accepted.append(v)
-        slave.free()
+        instance.free()
     if accepted:
         names = ", ".join(map(str, accepted[:5])) + (" and more" if len(accepted) > 5 else "")
-        yield f"in step mode: expected fixed parameters to be refused, it took {names}"
+        yield f"in step mode: expected fixed parameters to be rejected, the FMU accepted {names}"
 
 
 _TRIED = 5
-"""How many fixed parameters are tried, an instance each."""
+"""How many fixed parameters are tried, each with a new instance."""

@@ -1,4 +1,4 @@
-"""Rules about manners: what an FMU leaves behind in the process and on the disk of its host."""
+"""Rules about side effects: what a run changes in the host's process and on its disk."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from cosim.conformance.harness import Bench, entries
+from cosim.conformance.harness import Harness, file_stats
 from cosim.conformance.rule import NotApplicableError, rule
-from cosim.conformance.rules.lifecycle import RUNS
+from cosim.conformance.rules.lifecycle import NEEDS_RUN
 
-_CYCLES = 60
-"""How many lives make a measurement."""
+_MAX_CYCLES = 60
+"""Maximum number of cycles of one measurement; a cycle creates an instance, runs two steps and frees it."""
 
-_BATCHES = 3
-"""How many measurements are made; the smallest growth counts."""
+_MIN_CYCLES = 20
+"""Minimum number of cycles of one measurement; fewer are not significant."""
 
-_PATIENCE = 0.4
-"""How long a measurement may take, in s; FMUs that are slow to make live fewer lives."""
+_MEASUREMENTS = 3
+"""Number of measurements; the smallest growth counts."""
 
-_FEWEST = 20
-"""Fewer lives than this say nothing."""
+_DURATION = 0.4
+"""How long one measurement may take, in s; slow FMUs get fewer cycles."""
 
 LEAK = 1024
-"""Bytes a life may leave behind: less than a page in four lives is noise of the allocator."""
+"""Bytes by which memory may grow per cycle; less than a page in four cycles is noise of the allocator."""
 
 _STATM, _DESCRIPTORS = Path("/proc/self/statm"), Path("/proc/self/fd")
 
@@ -39,55 +39,55 @@ _STATM, _DESCRIPTORS = Path("/proc/self/statm"), Path("/proc/self/fd")
     "Nothing is written to standard output or standard error",
     stage="behaviour",
     severity="warning",
-    needs=RUNS,
+    needs=NEEDS_RUN,
 )
-def output(bench: Bench) -> Iterator[str]:
-    with bench.started() as slave:
-        bench.run(slave)
-    if text := bench.printed().strip():
+def output(harness: Harness) -> Iterator[str]:
+    with harness.initialized() as instance:
+        harness.run(instance)
+    if text := harness.captured_output().strip():
         lines = text.splitlines()
         more = f" (and {len(lines) - 1} more lines)" if len(lines) > 1 else ""
-        yield f"expected messages through the logger alone, printed: {lines[0][:120]}{more}"
+        yield f"expected messages through the logger only, printed: {lines[0][:120]}{more}"
 
 
 @rule(
     "side_effects.files",
-    "No files are left in the working folder, none changed where the FMU was extracted",
+    "No files are left in the working folder or changed in the FMU's folder",
     stage="behaviour",
     severity="warning",
-    needs=RUNS,
+    needs=NEEDS_RUN,
 )
-def files(bench: Bench) -> Iterator[str]:
-    here, before = Path.cwd(), entries(bench.folder)
-    with bench.started() as slave:
-        bench.run(slave)
-    if left := sorted(entries(here)):
+def files(harness: Harness) -> Iterator[str]:
+    working_folder, before = Path.cwd(), file_stats(harness.folder)
+    with harness.initialized() as instance:
+        harness.run(instance)
+    if left := sorted(file_stats(working_folder)):
         yield f"expected an empty working folder afterwards, got {', '.join(left[:3])}"
-    after = entries(bench.folder)
+    after = file_stats(harness.folder)
     if changed := sorted(name for name in before | after if before.get(name) != after.get(name)):
         yield f"expected the FMU's own folder unchanged, got changes in {', '.join(changed[:3])}"
 
 
 @rule(
     "side_effects.process",
-    "Working folder, locale, signals, environment and arithmetic of the process stay as they are",
+    "Working folder, locale, signals, umask and floating-point modes of the process do not change",
     stage="behaviour",
     severity="warning",
-    needs=RUNS,
+    needs=NEEDS_RUN,
 )
-def process(bench: Bench) -> Iterator[str]:
-    bench.library  # noqa: B018  # loading it is not running it
-    before = {name: look() for name, look in SETTINGS.items()}
-    with bench.started() as slave:
-        bench.run(slave)
-    for name, look in SETTINGS.items():
-        if (after := look()) != before[name]:
+def process(harness: Harness) -> Iterator[str]:
+    harness.library  # noqa: B018  # what loading changes is not checked
+    before = {name: read() for name, read in SETTINGS.items()}
+    with harness.initialized() as instance:
+        harness.run(instance)
+    for name, read in SETTINGS.items():
+        if (after := read()) != before[name]:
             yield f"{name}: expected {before[name]} as before, got {after}"
 
 
-def _handlers() -> str:
-    found = (signal.SIGINT, signal.SIGTERM, signal.SIGFPE, signal.SIGSEGV)
-    return ", ".join(str(signal.getsignal(number)) for number in found)
+def _signal_handlers() -> str:
+    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGFPE, signal.SIGSEGV)
+    return ", ".join(str(signal.getsignal(number)) for number in signals)
 
 
 def _umask() -> str:
@@ -99,36 +99,36 @@ def _umask() -> str:
 SETTINGS: dict[str, Callable[[], str]] = {
     "working folder": os.getcwd,
     "locale": lambda: str(locale.setlocale(locale.LC_ALL, None)),
-    "signal handlers": _handlers,
+    "signal handlers": _signal_handlers,
     "permissions of new files": _umask,
     "denormal numbers": lambda: "kept" if sys.float_info.min / 2.0 > 0.0 else "flushed to zero",
     "rounding": lambda: "to nearest" if 1.0 + 1e-17 == 1.0 and 1.0 - 1e-17 == 1.0 else "in another direction",
 }
-"""What belongs to the process and how to look at it."""
+"""Name of a setting of the process to the function that reads it."""
 
 
-def _live(bench: Bench) -> None:
-    """Make an instance, run it a little, and free it."""
-    with bench.started() as slave:
-        bench.run(slave, last=2)
+def _run_cycle(harness: Harness) -> None:
+    """Create an instance, run two steps and free it."""
+    with harness.initialized() as instance:
+        harness.run(instance, last=2)
 
 
-def _lives(bench: Bench) -> int:
-    """Live a few lives to get used to it, and return how many fit into a measurement.
+def _cycles_per_measurement(harness: Harness) -> int:
+    """Run some cycles as a warm-up; return how many fit into a measurement.
 
     Raises
     ------
     NotApplicableError
-        If too few do, or this system does not tell what there is to measure.
+        If too few fit, or this operating system does not report the memory of a process.
     """
     if not _STATM.exists():
         raise NotApplicableError(f"this system has no {_STATM.parent} to measure with")
     begin = time.perf_counter()
-    for _ in range(_FEWEST):
-        _live(bench)
-        if time.perf_counter() - begin > _PATIENCE:
-            raise NotApplicableError("the FMU takes too long to live many lives")
-    return min(_CYCLES, int(_FEWEST * _PATIENCE / (time.perf_counter() - begin)))
+    for _ in range(_MIN_CYCLES):
+        _run_cycle(harness)
+        if time.perf_counter() - begin > _DURATION:
+            raise NotApplicableError("the FMU is too slow for a measurement")
+    return min(_MAX_CYCLES, int(_MIN_CYCLES * _DURATION / (time.perf_counter() - begin)))
 
 
 @rule(
@@ -136,28 +136,28 @@ def _lives(bench: Bench) -> int:
     "Freeing an instance frees its memory",
     clause="2.0 §2.1.5; 3.0 §2.3.1",
     stage="behaviour",
-    needs=RUNS,
+    needs=NEEDS_RUN,
 )
-def memory(bench: Bench) -> Iterator[str]:
-    cycles = _lives(bench)
-    grown = []
-    for _ in range(_BATCHES):  # an allocator grows once, a leak always
+def memory(harness: Harness) -> Iterator[str]:
+    cycles = _cycles_per_measurement(harness)
+    growth = []
+    for _ in range(_MEASUREMENTS):  # an allocator grows once, a leak in every measurement
         before = _resident(), _allocated()
         for _ in range(cycles):
-            _live(bench)
-        grown.append(((_resident() - before[0]) / cycles, (_allocated() - before[1]) / cycles))
-    worst = max(map(min, zip(*grown, strict=True)))
+            _run_cycle(harness)
+        growth.append(((_resident() - before[0]) / cycles, (_allocated() - before[1]) / cycles))
+    worst = max(map(min, zip(*growth, strict=True)))
     if worst > LEAK:
-        yield f"expected no growth from life to life, got {worst / 1024:.1f} KiB each over {_BATCHES * cycles}"
+        yield f"expected no growth per instance, got {worst / 1024:.1f} KiB each over {_MEASUREMENTS * cycles}"
 
 
 def _resident() -> int:
-    """Return the size of the process in memory: coarse, as a leak first fills what was free."""
+    """Return the resident memory of the process in bytes; coarse, as a leak fills free pages first."""
     return int(_STATM.read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
 
 
 def _allocated() -> int:
-    """Return what C's allocator has given out; 0 where it does not tell. What Python keeps is not in it."""
+    """Return the bytes that C's allocator has allocated, without those of Python's; 0 where it does not report them."""
     with suppress(AttributeError):
         mallinfo = ctypes.CDLL(None).mallinfo2
         mallinfo.restype = _MallInfo
@@ -167,7 +167,7 @@ def _allocated() -> int:
 
 
 class _MallInfo(ctypes.Structure):
-    """What glibc tells of its allocator."""
+    """The struct ``mallinfo2`` of glibc."""
 
     _fields_ = tuple(
         (name, ctypes.c_size_t)
@@ -191,14 +191,14 @@ class _MallInfo(ctypes.Structure):
     "Freeing an instance closes its files",
     clause="2.0 §2.1.5; 3.0 §2.3.1",
     stage="behaviour",
-    needs=RUNS,
+    needs=NEEDS_RUN,
 )
-def descriptors(bench: Bench) -> Iterator[str]:
+def descriptors(harness: Harness) -> Iterator[str]:
     if not _DESCRIPTORS.exists():
         raise NotApplicableError(f"this system has no {_DESCRIPTORS} to count")
-    _live(bench)
+    _run_cycle(harness)
     before = len(list(_DESCRIPTORS.iterdir()))
     for _ in range(3):
-        _live(bench)
+        _run_cycle(harness)
     if (more := len(list(_DESCRIPTORS.iterdir())) - before) > 0:
-        yield f"expected as many open files as before, got {more} more after 3 lives"
+        yield f"expected as many open files as before, got {more} more after 3 instances"

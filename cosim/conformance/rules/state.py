@@ -1,65 +1,66 @@
-"""Rules about the FMU's state: got, set, turned into bytes and back, it continues the run to the bit."""
+"""Rules about the FMU state: after it is set or deserialized, the run continues with the same values to the bit."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterator
 
-from cosim.conformance.harness import Bench, changed, difference
+from cosim.conformance.harness import Harness, first_difference, row_difference
 from cosim.conformance.rule import rule
 
 _CLAUSE = "2.0 §2.1.8; 3.0 §2.2.6.4"
-_STATE, _BYTES = "canGetAndSetFMUState", "canSerializeFMUState"
+_STATE, _SERIALIZE = "canGetAndSetFMUState", "canSerializeFMUState"
 
 
 @rule(
     "state.continues",
-    "A state that is set continues the run bit by bit as the first time",
+    "After a state is set, the run continues with the same values as the first time, to the bit",
     clause=_CLAUSE,
     stage="behaviour",
     needs=("steps.deterministic",),
 )
-def continues(bench: Bench) -> Iterator[str]:
-    bench.can(_STATE)
-    middle = bench.middle
-    with bench.started() as slave:
-        if len(before := bench.run(slave, last=middle)) < middle:
+def continues(harness: Harness) -> Iterator[str]:
+    harness.require_capability(_STATE)
+    middle = harness.middle_step
+    with harness.initialized() as instance:
+        if len(before := harness.run(instance, last=middle)) < middle:
             return
-        state = slave.state()
-        first = bench.run(slave, middle)
-        slave.restore(state)
-        restored = slave.get(bench.observed)
-        again = bench.run(slave, middle)
-        slave.free_state(state)
-    if text := changed(before[-1], restored) or difference(first, again, bench.experiment, middle):
+        state = instance.get_state()
+        first = harness.run(instance, middle)
+        instance.set_state(state)
+        restored = instance.get_values(harness.observed)
+        again = harness.run(instance, middle)
+        instance.free_state(state)
+    text = row_difference(before[-1], restored) or first_difference(first, again, harness.experiment, middle)
+    if text:
         yield f"after setting the state: {text}"
 
 
 @rule(
     "state.serialises",
-    "Bytes of a state continue the run in a fresh instance",
+    "A new instance continues the run from a serialized state",
     clause=_CLAUSE,
     stage="behaviour",
     needs=("state.continues",),
 )
-def serialises(bench: Bench) -> Iterator[str]:
-    bench.can(_STATE)
-    bench.can(_BYTES)
-    middle = bench.middle
-    with bench.started() as slave:
-        if len(bench.run(slave, last=middle)) < middle:
+def serializes(harness: Harness) -> Iterator[str]:
+    harness.require_capability(_STATE)
+    harness.require_capability(_SERIALIZE)
+    middle = harness.middle_step
+    with harness.initialized() as instance:
+        if len(harness.run(instance, last=middle)) < middle:
             return
-        state = slave.state()
-        content = slave.serialise(state)
-        slave.free_state(state)
-        expected = bench.run(slave, middle)
-    with bench.started() as fresh:
-        state = fresh.deserialise(content)
-        fresh.restore(state)
+        state = instance.get_state()
+        content = instance.serialize_state(state)
+        instance.free_state(state)
+        expected = harness.run(instance, middle)
+    with harness.initialized() as fresh:
+        state = fresh.deserialize_state(content)
+        fresh.set_state(state)
         fresh.free_state(state)
-        got = bench.run(fresh, middle)
-    if text := difference(expected, got, bench.experiment, middle):
-        yield f"in a fresh instance: {text}"
+        got = harness.run(fresh, middle)
+    if text := first_difference(expected, got, harness.experiment, middle):
+        yield f"in a new instance: {text}"
 
 
 @rule(
@@ -69,12 +70,12 @@ def serialises(bench: Bench) -> Iterator[str]:
     stage="behaviour",
     needs=("lifecycle.sequence",),
 )
-def free(bench: Bench) -> Iterator[str]:
-    bench.can(_STATE)
-    name = f"{bench.library.PREFIX}{bench.library.STATE[2]}"
-    with bench.started() as slave:
-        state = slave.state()
-        slave.free_state(state)
+def free(harness: Harness) -> Iterator[str]:
+    harness.require_capability(_STATE)
+    name = f"{harness.library.PREFIX}{harness.library.STATE_FUNCTIONS[2]}"
+    with harness.initialized() as instance:
+        state = instance.get_state()
+        instance.free_state(state)
         if state.value:
             yield f"{name}: expected the pointer to be null afterwards, it is not"
-        slave.free_state(ctypes.c_void_p())
+        instance.free_state(ctypes.c_void_p())

@@ -1,1 +1,1 @@
-"""Gains from matrix inequalities, their certificate, the sampled loop, sets that come with the package."""
+"""Design of the gains: matrix inequalities, certificate, sampled loop, presets."""

@@ -1,11 +1,11 @@
-"""A certificate that does not believe the solver: gains in, margins out, with numpy and scipy alone.
+"""Certificate of a set of gains, independent of the solver that designed it: numpy and scipy only.
 
-Three independent questions are asked of a set of gains:
+It has three independent parts:
 
-1. Do the matrix inequalities (31)-(32) hold? Their eigenvalues are computed for a Q, the one that comes with the gains
-   or one found by a search over its three entries; the smallest lambda they certify follows in closed form.
-2. What is the true worst-case gain of the loop (26)-(27) over the mass range? A frequency sweep; it must lie below 1.
-3. Does the loop as it runs, sampled and delayed, hold? See :mod:`seat_controller_fmu.design.sampled_loop`.
+1. The matrix inequalities (31)-(32). Their eigenvalues are computed for the Q of the gains, or for one that a search
+   over its three entries finds. The smallest lambda that they certify follows in closed form.
+2. The true worst-case gain of the loop (26)-(27) over the mass range, by a frequency sweep. It must be below lambda.
+3. The delay margin of the sampled loop, see :mod:`seat_controller_fmu.design.sampled_loop`.
 """
 
 from __future__ import annotations
@@ -27,38 +27,38 @@ from seat_controller_fmu.design.setting import Setting
 
 Array = np.ndarray[Any, Any]
 
-STRICT = 1e-8
-"""A block counts as negative definite if its largest eigenvalue, scaled to a unit diagonal, lies below minus this."""
+MIN_MARGIN = 1e-8
+"""A block is negative definite if its largest eigenvalue, scaled to a unit diagonal, is below minus this."""
 
 DRIVER_MASSES = tuple(float(mass) for mass in range(45, 121, 5))
-"""Driver masses in kg for which the sampled loop is looked at, inside and outside the design's range."""
+"""Driver masses in kg for the sampled loop, inside and outside the range of the design."""
 
 _INFEASIBLE = 1e6
-_LAMBDA_ROW = 3  # of (30): the only one with lambda, and -B_2 beside it
-_OTHERS = [0, 1, 2, 4, 5]
-_SHARES = np.linspace(0.0, 1.0, 21)
+_LAMBDA_ROW = 3  # the only row of (30) with lambda
+_OTHER_ROWS = [0, 1, 2, 4, 5]
+_MEMBERSHIPS = np.linspace(0.0, 1.0, 21)
 _FREQUENCIES = np.logspace(-4, 3, 2801)
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """What is certified of a set of gains.
+    """Certified properties of a set of gains.
 
     Attributes
     ----------
     lambda_
-        The level that was asked for.
+        Requested level of (28).
     margins
-        For each block of (31)-(32), minus its largest eigenvalue at ``lambda_``, scaled to a unit diagonal; above 0
-        is needed.
+        For each block of (31)-(32), minus its largest eigenvalue at ``lambda_``, scaled to a unit diagonal; must be
+        above 0.
     Q
-        The Q they were computed with.
+        Q of the margins, None if none was found.
     certified_lambda
-        The smallest level that these inequalities certify, over all Q; infinite where none is found.
+        Smallest level that the inequalities certify, over all Q; infinite if none is found.
     worst_case_lambda
-        The true largest gain alpha |z_s''| / |z_v''| over mass range and frequency; infinite if the loop is unstable.
+        True largest gain alpha |z_s''| / |z_v''| over mass range and frequency; infinite if the loop is unstable.
     delay_margin_ms
-        Driver mass in kg to the extra delay in ms the sampled loop survives; NaN where it is unstable.
+        Driver mass in kg to the delay margin of the sampled loop in ms; NaN if it is unstable.
     """
 
     lambda_: float
@@ -70,12 +70,12 @@ class Certificate:
 
     @property
     def problems(self) -> list[str]:
-        """What fails, one line each; empty if the gains pass."""
+        """Failed conditions, one line each; empty if the gains pass."""
         failed = [
             f"{name}: expected negative definite at lambda = {self.lambda_:g}, got a largest scaled eigenvalue of "
             f"{-margin:.3g}"
             for name, margin in self.margins.items()
-            if not margin > STRICT
+            if not margin > MIN_MARGIN
         ]
         if not self.worst_case_lambda < self.lambda_:
             failed.append(f"true gain: expected below lambda = {self.lambda_:g}, got {self.worst_case_lambda:.4g}")
@@ -87,7 +87,7 @@ class Certificate:
         return failed
 
     def figures(self) -> dict[str, Any]:
-        """Return the results as they stand in a gains file."""
+        """Return the results for a gains file, by name."""
         return {
             "certified_lambda": self.certified_lambda,
             "worst_case_lambda": self.worst_case_lambda,
@@ -98,7 +98,17 @@ class Certificate:
 def block_margins(blocks: Iterable[Array]) -> dict[str, float]:
     """Return minus the largest eigenvalue of each block, scaled by a congruence to a unit diagonal.
 
-    The sign does not depend on the scaling; the scaling makes the number comparable and its rounding error some 1e-15.
+    The sign does not depend on the scaling. The scaling makes the margins comparable, with rounding errors of 1e-15.
+
+    Parameters
+    ----------
+    blocks
+        The four blocks of (31)-(32), each of shape (6, 6), symmetric.
+
+    Returns
+    -------
+    dict
+        Name of the block to its margin; minus infinity if the diagonal is not negative.
     """
     margins = {}
     for name, block in zip(NAMES, blocks, strict=True):
@@ -118,29 +128,46 @@ def _blocks(setting: Setting, feedback: tuple[Any, Any], Q: Array, lambda_: floa
 
 
 def _schur(blocks: Array) -> tuple[float, float]:
-    """Judge (31)-(32) for any lambda, from the blocks at lambda = 1.
+    """Find the smallest lambda of (31)-(32) from the blocks at lambda = 1.
 
-    lambda stands in one diagonal entry of each block only, so by the Schur complement a block is negative definite if
-    the rest S of it is, and lambda^2 > w' (-S)^-1 w with w the row beside that entry.
+    lambda is in one diagonal entry of each block only. By the Schur complement a block is negative definite if the rest
+    S of it is, and lambda^2 > w' (-S)^-1 w with w the row of that entry.
 
     Returns
     -------
-    tuple
-        The largest scaled eigenvalue of all S, which must lie below 0, and then the smallest lambda.
+    violation : float
+        Largest scaled eigenvalue of all S; must be below 0.
+    lambda_ : float
+        Smallest lambda; infinite if there is none.
     """
-    rest = blocks[:, _OTHERS][:, :, _OTHERS]
+    rest = blocks[:, _OTHER_ROWS][:, :, _OTHER_ROWS]
     scale = 1.0 / np.sqrt(np.maximum(np.abs(np.diagonal(rest, axis1=1, axis2=2)), 1e-300))
     scaled = rest * scale[:, :, None] * scale[:, None, :]
     violation = float(np.linalg.eigvalsh(scaled).max())
-    if violation >= -STRICT:
+    if violation >= -MIN_MARGIN:
         return violation, math.inf
-    row = (blocks[:, _OTHERS, _LAMBDA_ROW] * scale)[:, :, None]
+    row = (blocks[:, _OTHER_ROWS, _LAMBDA_ROW] * scale)[:, :, None]
     squared = (row * np.linalg.solve(-scaled, row)).sum(axis=(1, 2)) / -blocks[:, _LAMBDA_ROW, _LAMBDA_ROW]
     return violation, math.sqrt(float(squared.max()))
 
 
 def smallest_lambda(setting: Setting, feedback: tuple[Any, Any], Q: Array) -> float:
-    """Return the smallest lambda for which (31)-(32) hold with this Q, in closed form; infinite where there is none."""
+    """Return the smallest lambda for which (31)-(32) hold with a given Q, in closed form.
+
+    Parameters
+    ----------
+    setting
+        Setting of the design.
+    feedback
+        K_1 and K_2, in N/m and N.s/m.
+    Q
+        Shape (2, 2), symmetric.
+
+    Returns
+    -------
+    float
+        Infinite if there is none.
+    """
     return _schur(_blocks(setting, feedback, Q, 1.0))[1]
 
 
@@ -148,13 +175,22 @@ def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None,
     """Find the Q that certifies the smallest lambda for given gains, by a search over its three entries.
 
     Q is written as [[e^2a, r e^(a+b)], [., e^2b]] with r = tanh c, so that every point of the search is positive
-    definite and all three numbers are of one size. Starts are the Lyapunov solutions of the two vertices' closed loops
-    at several sizes; a simplex that has collapsed on an edge of the feasible set starts anew.
+    definite and a, b, c have similar magnitudes. Start points are the Lyapunov solutions of the closed loops at the two
+    vertices, in several sizes. A simplex that has collapsed at the edge of the feasible set is restarted.
+
+    Parameters
+    ----------
+    setting
+        Setting of the design.
+    feedback
+        K_1 and K_2, in N/m and N.s/m.
 
     Returns
     -------
-    tuple
-        Q of shape (2, 2) and the lambda; None and infinity where none was found.
+    Q : array or None
+        Shape (2, 2); None if none was found.
+    lambda_ : float
+        Infinite if none was found.
     """
     # the blocks are affine in the entries of Q
     constant = _blocks(setting, feedback, np.zeros((2, 2)), 1.0)
@@ -170,7 +206,7 @@ def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None,
             return 2.0 * _INFEASIBLE
         Q = matrix(x)
         violation, level = _schur(constant + Q[0, 0] * slopes[0] + Q[0, 1] * slopes[1] + Q[1, 1] * slopes[2])
-        return math.log(level) if violation < -STRICT else _INFEASIBLE + violation  # downhill to where it is feasible
+        return math.log(level) if violation < -MIN_MARGIN else _INFEASIBLE + violation  # decreases towards feasibility
 
     starts = []
     for mass, K in zip(setting.vertices, feedback, strict=True):
@@ -194,16 +230,28 @@ def search_Q(setting: Setting, feedback: tuple[Any, Any]) -> tuple[Array | None,
 
 
 def worst_case_lambda(setting: Setting, feedback: tuple[Any, Any]) -> float:
-    """Sweep the true gain alpha |z_s''| / |z_v''| of (26)-(27) over masses and frequency.
+    """Return the largest true gain alpha |z_s''| / |z_v''| of (26)-(27) over masses and frequencies.
 
-    The estimation error is not excited by the floor and adds nothing.
+    The floor does not excite the estimation error, so the error has no part in it.
+
+    Parameters
+    ----------
+    setting
+        Setting of the design.
+    feedback
+        K_1 and K_2, in N/m and N.s/m.
+
+    Returns
+    -------
+    float
+        Infinite if the loop is unstable.
     """
     minimum, maximum = setting.vertices
     worst = 0.0
-    for share in _SHARES:
-        inverse = share / minimum + (1.0 - share) / maximum  # h_1 = share (11)
+    for h_1 in _MEMBERSHIPS:
+        inverse = h_1 / minimum + (1.0 - h_1) / maximum  # 1/M (11)
         model = vertex(setting, 1.0 / inverse)
-        K = share * np.array([feedback[0]]) + (1.0 - share) * np.array([feedback[1]])
+        K = h_1 * np.array([feedback[0]]) + (1.0 - h_1) * np.array([feedback[1]])
         closed, output = model.A + model.B_1 @ K, model.C_3 + model.D_3 * K
         if np.linalg.eigvals(closed).real.max() >= 0.0:
             return math.inf
@@ -214,26 +262,46 @@ def worst_case_lambda(setting: Setting, feedback: tuple[Any, Any]) -> float:
 
 
 def delay_margins(gains: Gains, seat_for: SeatFor, masses: tuple[float, ...] = DRIVER_MASSES) -> dict[float, float]:
-    """Return the sampled loop's delay margin in ms by driver mass in kg."""
-    with threadpool_limits(1, "blas"):  # these matrices are small, and threads make it ten times slower
-        return {mass: delay_margin(gains.controller(mass), seat_for(mass)) for mass in masses}
-
-
-def certify(gains: Gains, seat_for: SeatFor, lambda_: float | None = None) -> Certificate:
-    """Ask all three questions of a set of gains.
+    """Return the delay margins of the sampled loop.
 
     Parameters
     ----------
     gains
-        The set; its own Q is checked if it has one, a found one otherwise.
+        Set of gains.
     seat_for
-        The seat whose sampled loop is looked at, by driver's mass.
+        Function from the driver's mass in kg to the seat.
+    masses
+        Driver masses, in kg.
+
+    Returns
+    -------
+    dict
+        Driver mass in kg to the delay margin in ms.
+    """
+    with threadpool_limits(1, "blas"):  # for these small matrices threads are ten times slower
+        return {mass: delay_margin(gains.controller(mass), seat_for(mass)) for mass in masses}
+
+
+def certify(gains: Gains, seat_for: SeatFor, lambda_: float | None = None) -> Certificate:
+    """Certify a set of gains.
+
+    Parameters
+    ----------
+    gains
+        Set of gains; its Q is checked if it has one, otherwise the Q of :func:`search_Q`.
+    seat_for
+        Function from the driver's mass in kg to the seat of the sampled loop.
     lambda_
-        Level to certify; the set's own where None.
+        Level to certify; that of the set if None.
+
+    Returns
+    -------
+    Certificate
+        Its ``problems`` are empty if the gains pass.
     """
     level = gains.lambda_ if lambda_ is None else lambda_
-    found, smallest = search_Q(gains.setting, gains.feedback)
-    Q = np.array(gains.Q) if gains.Q is not None else found
+    found_Q, smallest = search_Q(gains.setting, gains.feedback)
+    Q = np.array(gains.Q) if gains.Q is not None else found_Q
     if Q is None or np.linalg.eigvalsh(Q).min() <= 0.0:
         margins = dict.fromkeys(NAMES, -math.inf)
     else:

@@ -1,4 +1,4 @@
-"""A set of gains with what made it: read, checked, written, and handed to the controller."""
+"""Sets of gains with the inputs of their design: reading, checks, writing, conversion to parameters."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ from seat_controller_fmu.interface import Parameters
 Matrix = tuple[Pair, Pair]
 
 PRESETS = ("published", "table1-printed", "recommended")
-"""Names of the sets that come with the package."""
+"""Names of the sets in this package."""
 
 FOLDER = Path(__file__).with_name("presets")
-"""Where their files lie."""
+"""Folder of their files."""
 
 
 @dataclass(frozen=True)
 class Gains:
-    """State feedback and observer gains, and where they come from.
+    """State feedback and observer gains with the inputs and results of their design.
 
     Attributes
     ----------
     K1, K2
         [deflection, rate] at M_min and M_max, in N/m and N.s/m.
     setting
-        What they were made for.
+        Setting of the design.
     lambda_
-        The H-infinity level of (28) they were designed at.
+        H-infinity level of (28) of the design.
     Q
-        The matrix of (30) that came with them, None where none did.
+        Matrix Q of (30), None if unknown.
     objective
-        What the design optimised, with its numbers; ``{"name": "given"}`` where they were not designed here.
+        Name and numbers of the objective; ``{"name": "given"}`` if the gains were not designed here.
     figures
         Results of the certificate, see :mod:`seat_controller_fmu.design.certificate`.
     """
@@ -55,7 +55,7 @@ class Gains:
         return self.K1, self.K2
 
     def parameters(self) -> dict[str, float]:
-        """Return the controller FMU's parameters that carry these gains, by variable name."""
+        """Return the parameters of the controller FMU with these gains, by variable name."""
         s = self.setting
         values = {
             "driver_mass_min": s.driver_mass_min,
@@ -70,12 +70,23 @@ class Gains:
         return values
 
     def controller(self, driver_mass: float) -> Parameters:
-        """Return the controller's parameters with these gains, for a driver of the given mass in kg."""
+        """Return the parameters of the controller with these gains.
+
+        Parameters
+        ----------
+        driver_mass
+            In kg.
+
+        Returns
+        -------
+        seat_controller_fmu.interface.Parameters
+            With default values of the other parameters.
+        """
         values = {name.replace(".", "_"): value for name, value in self.parameters().items()}
         return replace(Parameters(), driver_mass=driver_mass, **values)  # type: ignore[arg-type]
 
     def to_json(self) -> str:
-        """Write the set; numbers read back to the same bits."""
+        """Return the set as JSON; numbers are read back to the same bits."""
         s = asdict(self.setting)
         content = {
             "K1": self.K1,
@@ -92,19 +103,24 @@ class Gains:
 
     @classmethod
     def from_json(cls, text: str, where: str) -> Gains:
-        """Read a set.
+        """Read a set from JSON.
 
         Parameters
         ----------
         text
-            What :meth:`to_json` wrote.
+            JSON text from :meth:`to_json`.
         where
             Name of the file, for messages.
+
+        Returns
+        -------
+        Gains
+            The set.
 
         Raises
         ------
         GainsError
-            If something is missing, is no number, or makes no sense.
+            If an entry is missing, is no number, or is out of its range.
         """
         try:
             content = json.loads(text)
@@ -139,7 +155,7 @@ class Gains:
             raise GainsError(f"{where}: expected numbers, got: {error}") from error
 
     def to_ssv(self) -> str:
-        """Write the gains as an SSP 1.0 parameter set for the SeatController FMU."""
+        """Return the gains as an SSP 1.0 parameter set (SSV) for the SeatController FMU."""
         lines = [
             f'    <ssv:Parameter name="{name}"><ssv:Real value="{value!r}"/></ssv:Parameter>'
             for name, value in self.parameters().items()
@@ -166,12 +182,38 @@ def _pair(values: Any) -> Pair:
 
 
 def preset(name: str) -> Gains:
-    """Read a set that comes with the package, one of :data:`PRESETS`."""
+    """Read a set in this package.
+
+    Parameters
+    ----------
+    name
+        One of :data:`PRESETS`.
+
+    Returns
+    -------
+    Gains
+        The set.
+
+    Examples
+    --------
+    >>> preset("published").K1
+    (4573.0, -90.0)
+    """
     return Gains.from_json((FOLDER / f"{name}.json").read_text(encoding="utf-8"), name)
 
 
 def load(name_or_file: str) -> Gains:
-    """Read a preset by name, or a file.
+    """Read a preset or a file.
+
+    Parameters
+    ----------
+    name_or_file
+        One of :data:`PRESETS`, or the path of a JSON file.
+
+    Returns
+    -------
+    Gains
+        The set.
 
     Raises
     ------
@@ -183,6 +225,6 @@ def load(name_or_file: str) -> Gains:
     path = Path(name_or_file)
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
-    except (OSError, ValueError):  # none of that name, or none that could have it
+    except (OSError, ValueError):  # ValueError: the name cannot be a path
         raise GainsError(f"gains: expected one of {', '.join(PRESETS)} or a file, got {name_or_file}") from None
     return Gains.from_json(text, str(path))

@@ -1,7 +1,7 @@
-"""The matrix inequalities (30)-(32), for numbers and for unknowns alike.
+"""The matrix inequalities (30)-(32), for numbers and for unknowns of a solver.
 
-Erratum: the paper calls the disturbance d = z_v'; with B_2 = [0, -1]' the equations hold for d = z_v'', the floor's
-acceleration. So lambda bounds alpha |z_s''| / |z_v''|, and alpha itself is its floor: a seat follows the cabin at 0 Hz.
+Erratum: the paper defines the disturbance d = z_v'. With B_2 = [0, -1]' the equations hold for d = z_v'', the floor
+acceleration. So lambda bounds alpha |z_s''| / |z_v''|, and lambda is at least alpha: a seat follows the cabin at 0 Hz.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import numpy as np
 from seat_controller_fmu.design.setting import Setting
 
 B_2 = np.array([[0.0], [-1.0]])
-"""Input matrix of the floor's acceleration (7)."""
+"""Input matrix of the floor acceleration (7)."""
 
 NAMES = ("Xi_11", "Xi_22", "Xi_11 + (Xi_12 + Xi_21)/2", "Xi_22 + (Xi_12 + Xi_21)/2")
-"""The blocks that must be negative definite: (31) twice, (32) twice."""
+"""Names of the blocks that must be negative definite: (31) twice, (32) twice."""
 
 
 class Vertex(NamedTuple):
@@ -42,7 +42,20 @@ class Vertex(NamedTuple):
 
 
 def vertex(setting: Setting, mass: float) -> Vertex:
-    """Build the model at a total mass M, in kg."""
+    """Return the model of the seat at a total mass.
+
+    Parameters
+    ----------
+    setting
+        Setting of the design.
+    mass
+        Total mass M (4), in kg.
+
+    Returns
+    -------
+    Vertex
+        Matrices of the model.
+    """
     k_f, D_2 = setting.stiffness, 1.0 / mass
     C_2 = np.array([[-k_f * D_2, 0.0]])
     return Vertex(
@@ -63,9 +76,9 @@ def inequality(
     Parameters
     ----------
     setting
-        Mass range, observer gains and weights.
+        Setting of the design: mass range, observer gains and weights.
     i, j
-        Vertex of the model and of the gains, 0 or 1.
+        Vertex of the model and vertex of the gains, 0 or 1.
     Q
         P_1^-1, shape (2, 2).
     R
@@ -73,7 +86,7 @@ def inequality(
     lambda_squared
         Array or expression of shape (1, 1).
     block
-        ``numpy.block``, or ``cvxpy.bmat`` where Q, R or lambda are unknowns.
+        ``numpy.block``, or ``cvxpy.bmat`` if Q, R or lambda are unknowns.
 
     Returns
     -------
@@ -98,7 +111,18 @@ def inequality(
 
 
 def relaxed(setting: Setting, Q: Any, R: Sequence[Any], lambda_squared: Any, block: Callable[..., Any]) -> list[Any]:
-    """Assemble the four blocks of (31) and (32), in the order of :data:`NAMES`."""
+    """Assemble the four blocks of (31) and (32).
+
+    Parameters
+    ----------
+    setting, Q, R, lambda_squared, block
+        As of :func:`inequality`.
+
+    Returns
+    -------
+    list of array or expression
+        Each of shape (6, 6), symmetric, in the order of :data:`NAMES`.
+    """
     xi = {(i, j): inequality(setting, i, j, Q, R, lambda_squared, block) for i in (0, 1) for j in (0, 1)}
     mixed = (xi[0, 1] + xi[1, 0]) / 2.0
     return [xi[0, 0], xi[1, 1], xi[0, 0] + mixed, xi[1, 1] + mixed]

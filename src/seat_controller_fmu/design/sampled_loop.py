@@ -1,7 +1,7 @@
-"""The sampled loop as it runs: two-mass seat, zero-order hold, rate filter, observer, extra delay. Linear, no friction.
+"""The sampled loop: two-mass seat with zero-order hold, rate filter, observer, additional delay. Linear, no friction.
 
-What the paper's design leaves out. The controller's part is built from the very coefficients its step uses, the seat's
-from the seat's parameters, so nothing is modelled twice.
+The paper's design is in continuous time and has no delay. The controller here has the same coefficients as the control
+law, the seat the same parameters as the plant.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg import expm
+from scipy.signal import cont2discrete
 
 from seat_controller_fmu.controller import Coefficients, prepare
 from seat_controller_fmu.interface import Parameters
@@ -18,12 +18,12 @@ from seat_controller_fmu.parameters import SAMPLE_TIME
 
 Array = np.ndarray[Any, Any]
 
-LONGEST_DELAY = 60
-"""Most extra samples of delay that are looked at."""
+MAX_DELAY = 60
+"""Largest number of additional samples of delay in the search for the delay margin."""
 
 
 class SeatModel(Protocol):
-    """The seat that the loop is closed around: two masses, suspension and cushion, linear.
+    """A linear seat with two masses, suspension and cushion.
 
     Attributes
     ----------
@@ -44,14 +44,23 @@ class SeatModel(Protocol):
 
 
 SeatFor = Callable[[float], SeatModel]
-"""Driver's mass in kg to the seat with that driver."""
+"""Function from the driver's mass in kg to the seat with that driver."""
 
 
-class Plant(NamedTuple):
-    """The seat from sample to sample: x' = A x + B_u u + B_d d, with [a, delta] = C x + D u at the sample.
+class SampledSeat(NamedTuple):
+    """The seat in discrete time: x' = A x + B_u u + B_floor d, with [a, delta] = C x + D u at the sample.
 
-    The state is [z_s, z_s', z_b, z_b', z_v, z_v'], d the floor's acceleration z_v'' or a force on the seat, held over a
-    sample; a is the seat's acceleration, with the force u of the previous interval, delta the deflection.
+    The state is [z_s, z_s', z_b, z_b', z_v, z_v']. d is the floor acceleration z_v'', held over a sample. a is the seat
+    acceleration, with the force u of the previous interval, and delta the deflection.
+
+    Attributes
+    ----------
+    A, B_u, B_floor
+        Shapes (6, 6), (6, 1), (6, 1).
+    C, D
+        Shapes (2, 6), (2, 1).
+    driver
+        Row of the driver's acceleration z_b'' over the state, shape (6,).
     """
 
     A: Array
@@ -62,8 +71,19 @@ class Plant(NamedTuple):
     driver: Array
 
 
-def plant(seat: SeatModel) -> Plant:
-    """Discretise the two-mass seat (1)-(2) without friction over one sample."""
+def sampled_seat(seat: SeatModel) -> SampledSeat:
+    """Discretise the two-mass seat (1)-(2) without friction, with zero-order hold over one sample.
+
+    Parameters
+    ----------
+    seat
+        Parameters of the seat.
+
+    Returns
+    -------
+    SampledSeat
+        Matrices of the seat for the sample time of the controller.
+    """
     k, c, k_c, c_c = seat.suspension_stiffness, seat.suspension_damping, seat.cushion_stiffness, seat.cushion_damping
     m_s, m_b = seat.seat_mass, seat.driver_mass
     seat_row = np.array([-(k + k_c), -(c + c_c), k_c, c_c, k, c]) / m_s
@@ -73,22 +93,27 @@ def plant(seat: SeatModel) -> Plant:
     A[1], A[3] = seat_row, driver_row
     B = np.zeros((6, 2))
     B[1, 0], B[5, 1] = 1.0 / m_s, 1.0
-    both = expm(np.block([[A, B], [np.zeros((2, 8))]]) * SAMPLE_TIME.value)
-    deflection = np.array([1.0, 0.0, 0.0, 0.0, -1.0, 0.0])
-    return Plant(
-        A=both[:6, :6],
-        B_u=both[:6, 6:7],
-        B_floor=both[:6, 7:8],
-        C=np.vstack([seat_row, deflection]),
-        D=np.array([[1.0 / m_s], [0.0]]),
-        driver=driver_row,
-    )
+    C = np.vstack([seat_row, [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]])
+    D = np.array([[1.0 / m_s, 0.0], [0.0, 0.0]])
+    A, B, C, D, _ = cont2discrete((A, B, C, D), SAMPLE_TIME.value, method="zoh")
+    return SampledSeat(A=A, B_u=B[:, 0:1], B_floor=B[:, 1:2], C=C, D=D[:, 0:1], driver=driver_row)
 
 
-def controller(c: Coefficients) -> tuple[Array, Array]:
-    """Write the controller's sample as w' = A_c w + B_c [a, delta] with w = [v, delta, F_hat, u] of the last sample.
+def sampled_controller(c: Coefficients) -> tuple[Array, Array]:
+    """Return the controller in state space: w' = A_c w + B_c [a, delta] with the state w = [v, delta, F_hat, u].
 
-    The demand is the last entry of w'; the loop is linear as long as it stays below the limit.
+    The state is that after the last sample. The force demand is the last entry of w'. The loop is linear while the
+    demand is below the force limit.
+
+    Parameters
+    ----------
+    c
+        Coefficients of the controller.
+
+    Returns
+    -------
+    A_c, B_c : array
+        Shapes (4, 4) and (4, 2).
     """
     v = np.array([c.rate_decay, -c.rate_gain, 0.0, 0.0, 0.0, c.rate_gain])
     F = np.array([0.0, 0.0, 1.0 + c.observer_force, -c.observer_force, c.observer_acceleration, c.observer_deflection])
@@ -98,13 +123,20 @@ def controller(c: Coefficients) -> tuple[Array, Array]:
     return rows[:, :4], rows[:, 4:]
 
 
-class Loop(NamedTuple):
-    """The closed loop, x' = A x + B_floor z_v'' + B_force f; the driver's acceleration is C x.
+class ClosedLoop(NamedTuple):
+    """The closed loop x' = A x + B_floor z_v'' + B_force f; the driver's acceleration is C x.
+
+    The state is that of the seat (6, the last two are the floor's), the held force (1), the state of the controller (4)
+    and the delayed demands.
 
     Attributes
     ----------
-    A, B_floor, B_force, C
-        Of the loop's state: seat (6, the last two are the floor's), held force, controller (4), delayed demands.
+    A
+        Shape (n, n).
+    B_floor, B_force
+        Shape (n, 1): floor acceleration in m/s2, force on the seat in N.
+    C
+        Shape (1, n).
     """
 
     A: Array
@@ -113,20 +145,25 @@ class Loop(NamedTuple):
     C: Array
 
 
-def loop(parameters: Parameters, seat: SeatModel, delay: int) -> Loop:
-    """Close the loop.
+def closed_loop(parameters: Parameters, seat: SeatModel, delay: int) -> ClosedLoop:
+    """Close the loop of controller and seat.
 
     Parameters
     ----------
     parameters
-        The controller's.
+        Parameters of the controller.
     seat
-        The seat's; its friction is left out.
+        Parameters of the seat.
     delay
-        Extra samples between the demand and the force, at least 0.
+        Additional samples between demand and force, at least 0.
+
+    Returns
+    -------
+    ClosedLoop
+        With 11 + ``delay`` states.
     """
-    p = plant(seat)
-    A_c, B_c = controller(prepare(parameters))
+    p = sampled_seat(seat)
+    A_c, B_c = sampled_controller(prepare(parameters))
     n = 6 + 1 + 4 + delay
     held, w = 6, slice(7, 11)
     A = np.zeros((n, n))
@@ -140,50 +177,71 @@ def loop(parameters: Parameters, seat: SeatModel, delay: int) -> Loop:
     A[held] = force
     A[:6, :6] = p.A
     A[:6] += np.outer(p.B_u[:, 0], force)
-    for place in range(delay):  # a queue of demands
-        A[11 + place] = demand if place == 0 else np.eye(n)[11 + place - 1]
+    for index in range(delay):  # a queue of demands
+        A[11 + index] = demand if index == 0 else np.eye(n)[11 + index - 1]
     B_floor, B_force, C = np.zeros((n, 1)), np.zeros((n, 1)), np.zeros((1, n))
     B_floor[:6], B_force[:6], C[0, :6] = p.B_floor, p.B_u, p.driver
-    B_force[held] = 1.0  # the accelerometer feels a force on the seat as it feels the actuator's
-    return Loop(A, B_floor, B_force, C)
+    B_force[held] = 1.0  # the accelerometer measures the effect of a force on the seat as that of the actuator's force
+    return ClosedLoop(A, B_floor, B_force, C)
 
 
 def spectral_radius(parameters: Parameters, seat: SeatModel, delay: int) -> float:
-    """Return the largest magnitude of the loop's poles; below 1 it is stable."""
-    A = loop(parameters, seat, delay).A
-    rest = [i for i in range(len(A)) if i not in (4, 5)]  # the floor's own motion is not in the loop
+    """Return the largest magnitude of the poles of the closed loop.
+
+    Parameters
+    ----------
+    parameters, seat, delay
+        As of :func:`closed_loop`.
+
+    Returns
+    -------
+    float
+        Below 1 if the loop is stable.
+    """
+    A = closed_loop(parameters, seat, delay).A
+    rest = [i for i in range(len(A)) if i not in (4, 5)]  # the motion of the floor is not part of the loop
     return float(np.abs(np.linalg.eigvals(A[np.ix_(rest, rest)])).max())
 
 
 def delay_margin(parameters: Parameters, seat: SeatModel) -> float:
-    """Return the longest extra delay up to which the loop stays stable, in ms.
+    """Return the longest additional delay with a stable loop, in whole samples up to :data:`MAX_DELAY`.
 
-    Looked for in whole samples up to :data:`LONGEST_DELAY`; NaN where the loop is unstable without any.
+    Parameters
+    ----------
+    parameters
+        Parameters of the controller.
+    seat
+        Parameters of the seat.
+
+    Returns
+    -------
+    float
+        In ms; NaN if the loop is unstable without additional delay.
     """
-    for delay in range(LONGEST_DELAY + 1):
+    for delay in range(MAX_DELAY + 1):
         if not spectral_radius(parameters, seat, delay) < 1.0:
             break
     else:
-        delay = LONGEST_DELAY + 1
+        delay = MAX_DELAY + 1
     return (delay - 1) * (SAMPLE_TIME.value * 1e3) if delay else float("nan")
 
 
-def response(loop: Loop, B: Array, frequencies: Array) -> Array:
-    """Evaluate the driver's acceleration per unit of an input that is held over a sample.
+def response(loop: ClosedLoop, B: Array, frequencies: Array) -> Array:
+    """Evaluate the frequency response of the driver's acceleration to an input that is held over a sample.
 
     Parameters
     ----------
     loop
-        From :func:`loop`.
+        Loop from :func:`closed_loop`.
     B
-        Its ``B_floor`` (per m/s2 of floor acceleration) or ``B_force`` (m/s2 per N on the seat).
+        Its ``B_floor`` (response in m/s2 per m/s2 of floor acceleration) or ``B_force`` (in m/s2 per N on the seat).
     frequencies
-        In Hz, above 0 and well below the Nyquist frequency.
+        In Hz, above 0 and well below the Nyquist frequency, shape (n,).
 
     Returns
     -------
     array
-        Complex, one value a frequency.
+        Complex, shape (n,).
     """
     z = np.exp(2j * np.pi * np.asarray(frequencies) * SAMPLE_TIME.value)
     matrices = z[:, None, None] * np.eye(len(loop.A)) - loop.A

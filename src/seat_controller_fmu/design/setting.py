@@ -1,4 +1,4 @@
-"""What a design of gains starts from: mass range, observer gains and weights of the inequalities."""
+"""Setting of a design of gains: mass range, observer gains and weights of the inequalities."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Pair = tuple[float, float]
 
 
 class GainsError(ValueError):
-    """A set of gains that is incomplete or makes no sense."""
+    """A set of gains that is incomplete or out of range."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What a design starts from, all but the objective.
+    """Inputs of a design, except its objective.
 
     Attributes
     ----------
@@ -26,13 +26,13 @@ class Setting:
     L1, L2
         Observer gains at M_min and M_max, in kg/s, below 0.
     alpha
-        Weight of the seat's acceleration in Z_1 (10).
+        Weight of the seat acceleration in Z_1 (10).
     c_0
         Weight of the estimation error in (27); the paper does not give it.
     P_2
-        Block of the Lyapunov matrix that belongs to the estimation error, fixed by the designer.
+        Block of the Lyapunov matrix for the estimation error, chosen by the designer.
     observer_gamma
-        Gamma in s/kg2 from which L1 and L2 follow by (23); None where they were chosen otherwise.
+        Gamma in s/kg2, from which L1 and L2 follow by (23); None if they were chosen otherwise.
     """
 
     driver_mass_min: float
@@ -65,7 +65,7 @@ class Setting:
 
     @property
     def vertices(self) -> MassRange:
-        """M_min and M_max (11)."""
+        """M_min and M_max (11), in kg."""
         return MassRange(self.driver_mass_min + SEAT_MASS.value, self.driver_mass_max + SEAT_MASS.value)
 
     @property
@@ -80,13 +80,53 @@ class Setting:
 
 
 def by_gamma(mass_min: float, mass_max: float, gamma: float, alpha: float, c_0: float, P_2: float) -> Setting:
-    """Return a setting with the observer gains of (23); masses in kg, Gamma in s/kg2."""
+    """Return a setting with the observer gains of (23).
+
+    Parameters
+    ----------
+    mass_min, mass_max
+        Lightest and heaviest driver, in kg.
+    gamma
+        Gamma, in s/kg2, below 0.
+    alpha, c_0, P_2
+        Weights, see :class:`Setting`.
+
+    Returns
+    -------
+    Setting
+        The setting.
+
+    Raises
+    ------
+    GainsError
+        If a value is out of range.
+    """
     vertices = MassRange(mass_min + SEAT_MASS.value, mass_max + SEAT_MASS.value)
     L_1, L_2 = (observer_gain(mass, gamma) for mass in vertices)
     return Setting(mass_min, mass_max, L_1, L_2, alpha, c_0, P_2, gamma)
 
 
 def equal_rate(mass_min: float, mass_max: float, rate: float, alpha: float, c_0: float, P_2: float) -> Setting:
-    """Return a setting whose observer has one pole at all masses, L_i = rate M_i; rate below 0, in 1/s."""
+    """Return a setting with an observer that has the same pole at all masses, L_i = rate M_i.
+
+    Parameters
+    ----------
+    mass_min, mass_max
+        Lightest and heaviest driver, in kg.
+    rate
+        Pole of the observer, in 1/s, below 0.
+    alpha, c_0, P_2
+        Weights, see :class:`Setting`.
+
+    Returns
+    -------
+    Setting
+        The setting.
+
+    Raises
+    ------
+    GainsError
+        If a value is out of range.
+    """
     L_1, L_2 = rate * (mass_min + SEAT_MASS.value), rate * (mass_max + SEAT_MASS.value)
     return Setting(mass_min, mass_max, L_1, L_2, alpha, c_0, P_2)

@@ -1,20 +1,19 @@
-"""Gains from the matrix inequalities (28)-(32): the only module that imports cvxpy (extra ``design``).
+"""Design of gains by the matrix inequalities (28)-(32); the only module that imports cvxpy (extra ``design``).
 
-The inequalities are the paper's, the objective is not given there. Three are offered:
+The inequalities are the paper's; the paper does not give the objective. There are three:
 
 ``margin``
-    The largest t with Xi < -t I at a given lambda, what a feasibility solver does. Left alone its supremum lies at
-    Q -> infinity, where the spring is cancelled entirely, and a solver stops somewhere on the way; a bound on Q_11
-    makes it a problem with a solution. The default bound is calibrated to give the paper's stiffness gains.
+    The largest t with Xi < -t I at a given lambda, as a feasibility solver finds it. Its supremum is at Q -> infinity,
+    where the spring is cancelled completely, and a solver stops somewhere on the way. A bound on Q_11 gives a problem
+    with a solution. The default bound is calibrated to give the paper's stiffness gains.
 ``lambda``
-    The smallest lambda. Useless here: lambda bounds alpha |z_s''|/|z_v''|, whose floor is alpha, as any seat follows
-    the cabin at 0 Hz. lambda -> alpha is approached by gains that hold the deflection at 0 at any frequency, a seat
-    bolted to the floor. It tells how far the inequalities reach, not what to build.
+    The smallest lambda. Not useful in practice: lambda bounds alpha |z_s''|/|z_v''| and is at least alpha, as any seat
+    follows the cabin at 0 Hz. Gains with lambda -> alpha hold the deflection at 0 at all frequencies, like a seat that
+    is bolted to the floor. The result shows the limit of the inequalities.
 ``trade-off``
     At a given lambda, the smallest bound on  E[z_s''^2] + (2 pi f_x)^4 E[x^2] + w_u E[(K x)^2]  under white noise of
-    the floor's acceleration, which the same Q bounds: (30) implies A Q + Q A' + B_2 B_2'/lambda^2 < 0, so that
-    lambda^2 Q bounds the covariance of x for unit intensity. f_x is the frequency below which the seat follows the
-    cabin.
+    the floor acceleration. The same Q bounds it: (30) implies A Q + Q A' + B_2 B_2'/lambda^2 < 0, so lambda^2 Q bounds
+    the covariance of x for unit intensity. f_x is the frequency below which the seat follows the cabin.
 """
 
 from __future__ import annotations
@@ -31,7 +30,10 @@ from seat_controller_fmu.design.lmi import relaxed, vertex
 from seat_controller_fmu.design.setting import Setting
 
 OBJECTIVES = ("trade-off", "margin", "lambda")
+"""Names of the objectives."""
+
 SOLVERS = ("CLARABEL", "CVXOPT", "SCS")
+"""Names of the solvers, the default first."""
 
 DEFLECTION_BOUND = 36.0
 """Bound on Q_11 of the objective ``margin``, calibrated: at lambda = 1.2 it gives the published stiffness gains."""
@@ -40,11 +42,11 @@ FOLLOW = 0.14
 """Default of f_x in Hz: below, the seat follows the cabin. Chosen with the recommended gains, see
 docs/explanation/certificate.md."""
 
-_STRICT = 1e-4  # of the scaled blocks: a solver knows no strict inequalities, and a certificate wants some room
+_STRICT = 1e-4  # margin of the scaled blocks: solvers have no strict inequalities, and the certificate needs a margin
 
 
 class DesignError(ValueError):
-    """A request that cannot be met; says which condition fails and what could be changed."""
+    """An infeasible design; the message names the failed condition and possible changes."""
 
 
 def _solver_module() -> Any:
@@ -58,12 +60,12 @@ def _solver_module() -> Any:
 
 
 class _Problem:
-    """Unknowns and inequalities of one design, in scaled variables, so that solvers meet numbers near one."""
+    """Unknowns and inequalities of one design, scaled so that their numbers are near one."""
 
     def __init__(self, cp: Any, setting: Setting, lambda_: float | None, sizes: tuple[float, float]) -> None:
         self.cp = cp
         self.setting = setting
-        self.state = np.diag(sizes)  # square roots of what Q's diagonal will be, about
+        self.state = np.diag(sizes)  # approximate square roots of the diagonal of Q
         self.scaled_Q = cp.Variable((2, 2), symmetric=True)
         self.Q = self.state @ self.scaled_Q @ self.state
         force = setting.stiffness * self.state
@@ -79,46 +81,46 @@ class _Problem:
         self.scale = np.diag([1.0 / sizes[0], 1.0 / sizes[1], 1.0 / observer, 1.0 / size, 1.0, 1.0])
 
     def constraints(self, margin: Any) -> list[Any]:
-        """(31)-(32) and Q > 0, each with ``margin`` in the unscaled inequality or, where None, a strict one."""
+        """Return (31)-(32) and Q > 0, each with ``margin`` in the unscaled inequality, or a small fixed one if None."""
         cp, W = self.cp, self.scale
-        found = []
+        constraints = []
         for block in relaxed(self.setting, self.Q, self.R, self.lambda_squared, cp.bmat):
             scaled = W @ block @ W
             bound = _STRICT * np.eye(6) if margin is None else margin * W @ W
-            found.append((scaled + scaled.T) / 2.0 << -bound)
+            constraints.append((scaled + scaled.T) / 2.0 << -bound)
         inverse = np.linalg.inv(self.state @ self.state)
-        found.append(self.scaled_Q >> (_STRICT * np.eye(2) if margin is None else margin * inverse))
-        return found
+        constraints.append(self.scaled_Q >> (_STRICT * np.eye(2) if margin is None else margin * inverse))
+        return constraints
 
     def bound_variance(self, row: Any, limit: Any) -> Any:
-        """Return the constraint row Q^-1 row' <= limit; row is linear in Q and R, limit of shape (1, 1)."""
+        """Return the constraint row Q^-1 row' <= limit; ``row`` is linear in Q and R, ``limit`` has shape (1, 1)."""
         scaled = row @ np.linalg.inv(self.state)
         matrix = self.cp.bmat([[limit, scaled], [scaled.T, self.scaled_Q]])
         return (matrix + matrix.T) / 2.0 >> 0
 
     def solve(self, objective: Any, constraints: list[Any], solver: str, advice: str) -> float:
-        """Solve, or say what cannot be met."""
+        """Solve the problem and return its optimal value; raise :class:`DesignError` with ``advice`` otherwise."""
         cp = self.cp
         options = {"SCS": {"eps": 1e-8, "max_iters": 100_000}}.get(solver, {})
         problem = cp.Problem(objective, constraints)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # an inaccurate solution is the certificate's business
+            warnings.simplefilter("ignore")  # the certificate checks the accuracy of the solution
             try:
                 problem.solve(solver=solver, **options)
             except cp.error.SolverError as error:
                 raise DesignError(f"design: expected {solver} to solve, got: {error}; {advice}") from error
         if self.scaled_Q.value is None or problem.status not in ("optimal", "optimal_inaccurate"):
-            got = f"{solver} says {problem.status}"
+            got = f"{solver} returns {problem.status}"
             raise DesignError(f"design: expected feasible inequalities (31)-(32), got none, {got}; {advice}")
         return float(problem.value)
 
     def feedback(self) -> list[np.ndarray[Any, Any]]:
-        """K_i = R_i Q^-1."""
+        """Return K_i = R_i Q^-1, in N/m and N.s/m."""
         return [np.asarray(np.linalg.solve(self.Q.value, R.value.T)[:, 0]) for R in self.R]
 
 
 def _advice(setting: Setting, lambda_: float | None) -> str:
-    """Check what can be seen without a solver; raises, or returns what could be changed if the solver fails."""
+    """Check necessary conditions without a solver; return the advice for a solver that fails."""
     if lambda_ is not None and not lambda_ > 0.0:
         raise DesignError(f"design: expected lambda above 0, got {lambda_}")
     if lambda_ is not None and lambda_ <= setting.alpha:
@@ -151,11 +153,11 @@ def design(
     Parameters
     ----------
     setting
-        Mass range, observer gains, weights.
+        Setting of the design: mass range, observer gains, weights.
     objective
-        One of :data:`OBJECTIVES`, see the module's text.
+        One of :data:`OBJECTIVES`, described in this module's docstring.
     lambda_
-        Level of (28); the start is ignored where the objective is ``lambda``.
+        Level of (28); not used by the objective ``lambda``.
     follow
         f_x of ``trade-off``, in Hz.
     force_weight
@@ -165,10 +167,15 @@ def design(
     solver
         One of :data:`SOLVERS`.
 
+    Returns
+    -------
+    Gains
+        Without figures of a certificate.
+
     Raises
     ------
     DesignError
-        If the request is infeasible, cvxpy is missing, or the solver fails.
+        If the design is infeasible, cvxpy is missing, or the solver fails.
     """
     if objective not in OBJECTIVES:
         raise DesignError(f"design: expected an objective among {', '.join(OBJECTIVES)}, got {objective}")
@@ -206,7 +213,7 @@ def design(
 
 
 def _trade_off(problem: _Problem, follow: float, force_weight: float) -> tuple[Any, list[Any]]:
-    """Bound the weighted variances at both vertices; the worse of the two counts."""
+    """Return the cost and the constraints that bound the weighted variances at both vertices by the larger one."""
     cp, setting = problem.cp, problem.setting
     worst = [cp.Variable((1, 1), nonneg=True) for _ in range(3)]
     corner = (2.0 * math.pi * follow) ** 2

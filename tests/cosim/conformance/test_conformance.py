@@ -1,49 +1,37 @@
-"""The conformance suite on good FMUs: ours and such as the public reference models; what it says of foreign ones."""
+"""The conformance suite on conforming FMUs (ours, and some like the public reference models) and on foreign ones."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from fmpy.validation import validate_fmu
 from fmu_manipulation_toolbox.cli.fmutool import fmutool
 
-from cosim.conformance.process import Processes
-from cosim.conformance.suite import Examination, load_rules, validate
+from cosim.conformance.process import RuleRunner
+from cosim.conformance.suite import ValidationReport, load_rules, validate
 from seat_cosim.components import COMPONENTS
-from tests.helpers.reference_fmus import MODELS, Workshop
+from tests.helpers.reference_fmus import MODELS, ReferenceFmus
 from tests.helpers.shell import Shell
 
 NAMES = [component.name for component in COMPONENTS]
 
 PYTHONFMU = {"lifecycle.token", "lifecycle.call-order", "lifecycle.fixed", "state.free", "side_effects.memory"}
-"""What pythonfmu's library does to every FMU it is in: it answers these calls without asking the FMU."""
+"""Findings in every FMU of pythonfmu, whose library handles these calls itself."""
 
 
-@pytest.fixture(scope="module")
-def processes() -> Iterator[Processes]:
-    with Processes() as shared:
-        yield shared
-
-
-@pytest.fixture(scope="module")
-def workshop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
-    return Workshop(tmp_path_factory.mktemp("reference"))
-
-
-def told(found: Examination) -> list[str]:
+def messages(found: ValidationReport) -> list[str]:
     return [f"{finding.rule}: {finding.message}" for finding in found.findings]
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
-def test_native_fmus_conform(native: Path, processes: Processes, flavour: str, name: str):
-    found = validate(native / flavour / f"{name}.fmu", processes=processes)
-    assert told(found) == []
-    inapplicable = {name for name, outcome in found.outcomes.items() if outcome.reason}
+def test_native_fmus_conform(native: Path, runner: RuleRunner, flavour: str, name: str):
+    found = validate(native / flavour / f"{name}.fmu", runner=runner)
+    assert messages(found) == []
+    inapplicable = {name for name, outcome in found.outcomes.items() if outcome.not_applicable}
     assert inapplicable <= {
         "description.step",  # they take steps of any size
         "variables.derivatives",  # and have no continuous states to show
@@ -53,19 +41,19 @@ def test_native_fmus_conform(native: Path, processes: Processes, flavour: str, n
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_python_fmus_conform_but_for_what_pythonfmu_does(fmus: Path, processes: Processes, name: str):
-    found = validate(fmus / f"{name}.fmu", processes=processes)
-    assert {finding.rule for finding in found.findings} <= PYTHONFMU, told(found)
+def test_python_fmus_conform_but_for_what_pythonfmu_does(fmus: Path, runner: RuleRunner, name: str):
+    found = validate(fmus / f"{name}.fmu", runner=runner)
+    assert {finding.rule for finding in found.findings} <= PYTHONFMU, messages(found)
     assert found.outcomes["state.continues"].verdict == "passed"
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("model", MODELS)
 def test_no_false_alarm_on_fmus_like_the_reference_models(
-    workshop: Workshop, processes: Processes, model: str, fmi: int
+    reference_fmus: ReferenceFmus, runner: RuleRunner, model: str, fmi: int
 ):
-    found = validate(workshop.make(model, fmi), processes=processes)
-    assert told(found) == []
+    found = validate(reference_fmus.make(model, fmi), runner=runner)
+    assert messages(found) == []
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -96,10 +84,8 @@ def test_other_validators_would_find_something(foreign: Path, monkeypatch: pytes
         ("Chair", {"steps.stop-time", "steps.time"}),
     ],
 )
-def test_what_is_wrong_with_raw_fmus_of_foreign_tools(
-    foreign: Path, processes: Processes, name: str, expected: set[str]
-):
-    found = validate(foreign / f"{name}.fmu", processes=processes, skip=["side_effects.memory"])
+def test_what_is_wrong_with_raw_fmus_of_foreign_tools(foreign: Path, runner: RuleRunner, name: str, expected: set[str]):
+    found = validate(foreign / f"{name}.fmu", runner=runner, skip=["side_effects.memory"])
     assert {finding.rule for finding in found.findings if finding.severity == "error"} == expected
 
 
@@ -120,8 +106,8 @@ def test_command_prints_a_row_for_each_rule(shell: Shell, native: Path):
     assert "0 failed, 0 with warnings" in out
 
 
-def test_command_fails_for_ci_and_tells_json(shell: Shell, workshop: Workshop):
-    path = workshop.make(xml=lambda text: text.replace('stepSize="0.1"', 'stepSize="-1"'))
+def test_command_fails_for_ci_and_writes_json(shell: Shell, reference_fmus: ReferenceFmus):
+    path = reference_fmus.make(xml=lambda text: text.replace('stepSize="0.1"', 'stepSize="-1"'))
     code, out, _ = shell("validate", str(path), "--json", "-", "--rule", "description.experiment")
     assert code == 1
     (fmu,) = json.loads(out)["fmus"]
@@ -143,8 +129,8 @@ def test_groups_of_rules_are_chosen_and_left_out(native: Path):
         assert not {name for name in shown if name.startswith(("variables.", "structure.", *running))}
 
 
-def test_warnings_count_only_where_that_is_asked_for(shell: Shell, workshop: Workshop, tmp_path: Path):
-    path = workshop.make(archive=lambda members: members | {"notes.txt": b"remember"})
+def test_warnings_count_with_strict_only(shell: Shell, reference_fmus: ReferenceFmus, tmp_path: Path):
+    path = reference_fmus.make(archive=lambda members: members | {"notes.txt": b"remember"})
     assert shell("validate", str(path), "--rule", "archive.stray")[0] == 0
     code, out, _ = shell("validate", str(path), "--rule", "archive.stray", "--strict", "--json", "report.json")
     assert code == 1
@@ -165,7 +151,7 @@ def test_warnings_count_only_where_that_is_asked_for(shell: Shell, workshop: Wor
         (["{fmu}", "--json", "no/such/folder.json", "--rule", "archive.paths"], "--json no/such/folder.json: expected"),
     ],
 )
-def test_wrong_use_is_told_in_one_line(shell: Shell, native: Path, words: list[str], message: str):
+def test_wrong_use_is_an_error_of_one_line(shell: Shell, native: Path, words: list[str], message: str):
     fmu = str(native / "fmi2" / "Shaker.fmu")
     code, _, err = shell("validate", *(word.format(fmu=fmu) for word in words))
     assert code == 2

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-import os
 import re
-import signal
-import threading
 import time
 import tracemalloc
 from collections.abc import Callable, Sequence
@@ -27,6 +24,7 @@ from seat_cosim.scenarios import OVERVIEW, SCENARIOS, seat_suspension
 from tests.cosim.engine.test_structure import edited
 from tests.helpers.echo import FAULTS, TYPES, build_echo
 from tests.helpers.rig import Rig, bump
+from tests.helpers.waiting import interrupt_when
 
 H = 0.002
 
@@ -314,10 +312,9 @@ def test_a_warning_goes_on(echo: dict[int, Path]):
 def test_ctrl_c_ends_a_run_between_two_steps(echo: dict[int, Path]):
     system = System()
     system.add("a", echo[3])
-    timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
-    timer.start()
-    result = system.simulate(1000 * H, H, {"a.fault": FAULTS.index("slow")}, stepper="c")
-    timer.join()
+    reached: list[float] = []
+    with interrupt_when(lambda: bool(reached)):
+        result = system.simulate(1000 * H, H, {"a.fault": FAULTS.index("slow")}, progress=reached.append, stepper="c")
     assert not result.complete
     assert str(result.error) == f"interrupted at t = {len(result.time) * H:g} s"
     assert result["a.count"].tolist() == [*range(len(result.time))]

@@ -31,7 +31,7 @@ def test_twice_the_vibration_takes_a_quarter_of_the_time_and_a_sixteenth_of_the_
     assert hours_to_vdv(18.2, 8 * 3600.0, ACTION) == pytest.approx(0.5)
 
 
-def test_a_sample_goes_on_over_the_day():
+def test_a_measurement_is_extrapolated_to_a_day():
     assert daily_vdv(2.0, 8 * 3600.0 / 16.0) == pytest.approx(4.0)
 
 
@@ -41,7 +41,7 @@ def test_after_the_time_to_a_value_it_is_reached(level: float, duration: float):
     assert daily_vdv(level, duration, hours_to_vdv(level, duration, ACTION)) == pytest.approx(ACTION.vdv)
 
 
-def test_rest_never_reaches_anything():
+def test_without_vibration_no_value_is_reached():
     assert hours_to_a8(0.0, ACTION) == hours_to_vdv(0.0, 10.0, ACTION) == math.inf
     assert hours_to_a8(1e-300, ACTION) == hours_to_vdv(1e-300, 10.0, ACTION) == math.inf
 
@@ -71,7 +71,7 @@ def test_every_level_has_a_reaction(a_w: float):
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "message"),
     [
         (lambda: a8(-1.0, 8.0), "a_w: expected a finite number of at least 0 m/s2, got -1 m/s2"),
         (lambda: a8(1.0, math.inf), "hours: expected a finite number of at least 0 h, got inf h"),
@@ -79,6 +79,6 @@ def test_every_level_has_a_reaction(a_w: float):
         (lambda: comfort(math.nan), "a_w: expected a finite number of at least 0 m/s2, got nan m/s2"),
     ],
 )
-def test_numbers_that_are_none_are_refused(call, said: str):
-    with pytest.raises(SignalError, match=said):
+def test_invalid_numbers_are_errors(call, message: str):
+    with pytest.raises(SignalError, match=message):
         call()

@@ -1,4 +1,4 @@
-"""Metrics of rides and suspensions against closed forms; samples that are none are refused by name."""
+"""Metrics of rides and suspensions against closed forms; invalid samples are errors that name the signal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.errors import CosimError, SignalError
-from cosim.metrics.samples import settled
+from cosim.metrics.samples import trim
 from cosim.metrics.suspension import actuator, deflection_range, end_stops
 from cosim.metrics.weighting import weighted, wk
 from cosim.metrics.whole_body import Ride, crest_factor, mtvv, peak, ride, rms, running_rms, seat_factor, vdv
@@ -43,7 +43,7 @@ def test_a_sine_has_its_closed_forms():
 
 
 def test_a_sines_ride_is_that_of_the_weighted_sine():
-    found = ride(sine(6.3, 60.0, amplitude=2.0), RATE, settle=10.0)
+    found = ride(sine(6.3, 60.0, amplitude=2.0), RATE, warm_up=10.0)
     amplitude = 2.0 * abs(wk(6.3))
     assert found.duration == pytest.approx(50.0)
     assert found.a_w == pytest.approx(amplitude / math.sqrt(2.0), rel=1e-6)
@@ -64,7 +64,7 @@ def test_the_running_rms_starts_when_its_second_is_full():
     assert found == pytest.approx(np.sqrt(np.linspace(1.0, 0.0, 501)))
 
 
-def test_a_shock_needs_more_than_the_rms():
+def test_the_rms_does_not_suffice_for_shocks():
     calm = Ride(a_w=1.0, vdv=1.4 * 16.0**0.25, mtvv=1.4, crest_factor=4.0, duration=16.0)
     assert calm.rms_suffices
     for change in ({"crest_factor": 9.1}, {"mtvv": 1.51}, {"vdv": 1.76 * 2.0}):
@@ -100,10 +100,10 @@ def test_the_metrics_keep_their_order(seed: int):
 
 @lively
 @given(seeds, st.floats(0.0, 1.5))
-def test_leaving_out_is_the_same_as_not_looking(seed: int, settle: float):
-    w = settled(weighted(noise(seed), RATE), RATE, settle)
-    assert ride(noise(seed), RATE, settle).a_w == rms(w)
-    assert ride(noise(seed), RATE, settle).vdv == vdv(w, RATE)
+def test_the_warm_up_of_a_ride_is_that_of_its_weighted_signal(seed: int, warm_up: float):
+    w = trim(weighted(noise(seed), RATE), RATE, warm_up)
+    assert ride(noise(seed), RATE, warm_up).a_w == rms(w)
+    assert ride(noise(seed), RATE, warm_up).vdv == vdv(w, RATE)
 
 
 def test_rest_has_no_crest_factor():
@@ -111,7 +111,7 @@ def test_rest_has_no_crest_factor():
 
 
 def test_a_deflections_range():
-    found = deflection_range([9.0, 0.01, -0.03, 0.02], rate=1.0, settle=1.0)
+    found = deflection_range([9.0, 0.01, -0.03, 0.02], rate=1.0, warm_up=1.0)
     assert (found.lowest, found.highest, found.peak) == (-0.03, 0.02, 0.03)
     assert found.peak_to_peak == pytest.approx(0.05)
     assert found.rms == pytest.approx(math.sqrt(14e-4 / 3.0))
@@ -188,7 +188,7 @@ GOOD = np.ones(2000)
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "message"),
     [
         (lambda: rms([]), r"signal: expected samples in one dimension, got an array of shape \(0,\)"),
         (lambda: rms([[1.0, 2.0]]), r"got an array of shape \(1, 2\)"),
@@ -198,10 +198,10 @@ GOOD = np.ones(2000)
         (lambda: vdv(GOOD, 0.0), "rate: expected a finite number above 0 Hz, got 0 Hz"),
         (lambda: vdv(GOOD, math.nan), "rate: expected a finite number above 0 Hz, got nan Hz"),
         (lambda: mtvv(GOOD[:499], RATE), "weighted: expected at least 1 s of samples at 500 Hz .*, got 0.998 s"),
-        (lambda: ride(GOOD, RATE, settle=-1.0), "settle: expected a finite number of at least 0 s, got -1 s"),
+        (lambda: ride(GOOD, RATE, warm_up=-1.0), "warm_up: expected a finite number of at least 0 s, got -1 s"),
         (
-            lambda: ride(GOOD, RATE, settle=4.0),
-            "acceleration: expected at least 0.002 s .* after 4 s to settle, got 0 s",
+            lambda: ride(GOOD, RATE, warm_up=4.0),
+            "acceleration: expected at least 0.002 s .* after 4 s of warm-up, got 0 s",
         ),
         (lambda: seat_factor(ride(GOOD, RATE), ride(GOOD[1:], RATE)), "one duration, got 4 s and 3.998 s"),
         (
@@ -214,8 +214,8 @@ GOOD = np.ones(2000)
         (lambda: actuator([1.0], [1.0], RATE), "force: expected at least 0.004 s"),
     ],
 )
-def test_samples_that_are_none_are_refused(call, said: str):
-    with pytest.raises(SignalError, match=said) as error:
+def test_invalid_samples_are_errors(call, message: str):
+    with pytest.raises(SignalError, match=message) as error:
         call()
     assert isinstance(error.value, CosimError)
     assert isinstance(error.value, ValueError)

@@ -1,4 +1,4 @@
-"""Spectral densities and transmissibilities against signals and filters whose own are known."""
+"""Spectral densities and transmissibilities against known signals and filters."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_sine_has_half_its_squared_amplitude_around_its_line():
     assert spectrum.frequency[spectrum.density.argmax()] == 8.0
 
 
-def test_the_resolution_is_rounded_to_whole_samples_and_told():
+def test_the_resolution_is_rounded_to_whole_samples():
     assert psd(NOISE, RATE, resolution=0.3).resolution == pytest.approx(500.0 / 1667.0)
 
 
@@ -97,7 +97,7 @@ def test_noise_of_the_response_costs_coherence_and_confidence_but_no_bias(level:
     assert np.std(found.ratio.imag) == pytest.approx(error, rel=0.12)
 
 
-def test_where_nothing_excites_nothing_is_coherent():
+def test_without_excitation_there_is_no_coherence():
     found = transmissibility(np.tile([1.0, -1.0], 5000), np.zeros(10000), RATE)
     assert not found.coherence.any()
     assert np.isinf(found.error).all()
@@ -106,13 +106,13 @@ def test_where_nothing_excites_nothing_is_coherent():
 @pytest.mark.parametrize("frequency", [0.7, 1.0, 3.3, 17.0])
 def test_a_known_filter_is_found_from_a_sine(frequency: float):
     excitation = 0.3 * sine(frequency, 30.0, phase=1.0) + 5.0
-    found = sine_transmissibility(excitation, dsp.sosfilt(FILTER, excitation), RATE, frequency, settle=15.0)
+    found = sine_transmissibility(excitation, dsp.sosfilt(FILTER, excitation), RATE, frequency, warm_up=15.0)
     assert found.ratio == pytest.approx(response(frequency)[0], rel=1e-6)
     assert found.gain == abs(found.ratio)
     assert max(found.excitation.distortion, found.response.distortion) < 1e-6
 
 
-def test_too_early_a_look_shows_as_distortion():
+def test_a_warm_up_that_is_too_short_gives_distortion():
     excitation = sine(1.0, 30.0)
     found = sine_transmissibility(excitation, dsp.sosfilt(FILTER, excitation + 5.0), RATE, 1.0)
     assert found.response.distortion > 0.1
@@ -133,18 +133,18 @@ def test_a_cubic_seat_has_the_distortion_of_its_third_harmonic():
     amplitude=st.floats(0.01, 100.0),
     phase=st.floats(-3.0, 3.0),
     offset=st.floats(-100.0, 100.0),
-    settle=st.floats(0.0, 1.0),
+    warm_up=st.floats(0.0, 1.0),
 )
-def test_a_sine_is_found_whatever_is_left_out(
-    frequency: float, amplitude: float, phase: float, offset: float, settle: float
+def test_a_sine_is_fitted_with_any_warm_up(
+    frequency: float, amplitude: float, phase: float, offset: float, warm_up: float
 ):
-    found = fit_sine(amplitude * sine(frequency, 4.0, phase) + offset, RATE, frequency, settle)
+    found = fit_sine(amplitude * sine(frequency, 4.0, phase) + offset, RATE, frequency, warm_up)
     assert found.amplitude == pytest.approx(-1j * amplitude * np.exp(1j * phase), rel=1e-9, abs=1e-9)
     assert found.offset == pytest.approx(offset, abs=1e-9)
     assert found.distortion < 1e-9
 
 
-def test_a_signal_at_rest_is_no_sine():
+def test_a_constant_signal_is_no_sine():
     found = fit_sine(np.zeros(1000), RATE, 2.0)
     assert found == Sine(2.0, 0j, 0.0, 0.0)
     assert found.distortion == math.inf
@@ -156,7 +156,7 @@ def test_the_seats_own_transmissibility_comes_through_the_fmus(native: Path):
     shaken = {"shaker.profile": "sine", "shaker.sine.frequency": frequency, **driver_mass(70.0), **still}
     result = seat_suspension(native / "fmi2").simulate(20.0, parameters=shaken)
     found = sine_transmissibility(
-        result["shaker.floor_acceleration"], result["seat.driver_acceleration"], rate, frequency, settle=12.0
+        result["shaker.floor_acceleration"], result["seat.driver_acceleration"], rate, frequency, warm_up=12.0
     )
     # (1)-(2) at s: the cushion carries the driver by a ratio, and both hang on the suspension
     s = 2j * math.pi * frequency
@@ -168,13 +168,13 @@ def test_the_seats_own_transmissibility_comes_through_the_fmus(native: Path):
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "message"),
     [
         (
             lambda: psd(NOISE[:100], RATE),
-            "signal: expected at least 4 s of samples at 500 Hz after 0 s to settle, got 0.2",
+            "signal: expected at least 4 s of samples at 500 Hz after 0 s of warm-up, got 0.2",
         ),
-        (lambda: psd(NOISE[:3000], RATE, settle=4.0), "at least 4 s .* after 4 s to settle, got 2 s"),
+        (lambda: psd(NOISE[:3000], RATE, warm_up=4.0), "at least 4 s .* after 4 s of warm-up, got 2 s"),
         (lambda: psd(NOISE, RATE, resolution=200.0), "resolution: expected at most a quarter of the rate, 125 Hz"),
         (lambda: psd(NOISE, RATE, resolution=0.0), "resolution: expected a finite number above 0 Hz, got 0 Hz"),
         (lambda: psd(NOISE, RATE).rms(3.0, 2.0), "band: expected low < high, got 3 and 2 Hz"),
@@ -190,6 +190,6 @@ def test_the_seats_own_transmissibility_comes_through_the_fmus(native: Path):
         (lambda: sine_transmissibility(np.zeros(999), NOISE[:999], RATE, 5.0), "excitation: expected a sine of 5 Hz"),
     ],
 )
-def test_what_cannot_be_estimated_is_refused(call, said: str):
-    with pytest.raises(SignalError, match=said):
+def test_signals_without_an_estimate_are_errors(call, message: str):
+    with pytest.raises(SignalError, match=message):
         call()

@@ -1,4 +1,4 @@
-"""Wk against the standard's tables, and what is weighted in time against Wk."""
+"""Wk against the tables of the standard, and weighted signals against Wk."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_a_wrong_parameter_would_not_pass_for_the_table(monkeypatch: pytest.Monk
 def test_sines_are_weighted_as_wk_says_in_magnitude_and_phase(rate: float, bound: float):
     for frequency in np.geomspace(0.4, 79.0, 25):
         found = fit_sine(weighted(sine(frequency, 25.0, rate), rate, 10.0), rate, frequency)
-        start = np.exp(2j * np.pi * frequency * 10.0)  # the fit's time begins after what was left out
+        start = np.exp(2j * np.pi * frequency * 10.0)  # the time of the fit starts after the warm-up
         assert abs(found.amplitude / (-1j * start) / wk(frequency) - 1.0) < bound, frequency
 
 
@@ -66,16 +66,16 @@ def test_noise_weighted_in_time_has_the_rms_of_its_weighted_spectrum():
     assert np.std(weighted(noise, RATE)) == pytest.approx(expected, rel=5e-3)
 
 
-def test_the_answer_follows_its_cause_and_fades():
+def test_the_impulse_response_is_nearly_causal_and_decays():
     impulse = np.zeros(15 * round(RATE))
     impulse[1000] = 1.0
-    answer = np.abs(weighted(impulse, RATE))
-    assert answer[:1000].max() < 0.006 * answer.max()
-    assert answer[-100:].max() < 1e-4 * answer.max()
+    response = np.abs(weighted(impulse, RATE))
+    assert response[:1000].max() < 0.006 * response.max()
+    assert response[-100:].max() < 1e-4 * response.max()
 
 
 def test_a_constant_fades_within_four_seconds():
-    assert np.abs(weighted(np.full(5000, 9.81), RATE, settle=4.0)).max() < 1e-3 * 9.81
+    assert np.abs(weighted(np.full(5000, 9.81), RATE, warm_up=4.0)).max() < 1e-3 * 9.81
 
 
 @settings(max_examples=20, deadline=None)
@@ -88,13 +88,13 @@ def test_weighting_is_linear(signal: np.ndarray, factor: float):
 
 @settings(max_examples=20, deadline=None)
 @given(signals, st.integers(1, 2000))
-def test_what_comes_later_is_weighted_alike(signal: np.ndarray, later: int):
+def test_a_later_signal_is_weighted_alike(signal: np.ndarray, later: int):
     # the pads differ in length, so what is not causal wraps around differently
-    shifted = weighted(np.concatenate((np.zeros(later), signal)), RATE, settle=later / RATE)
+    shifted = weighted(np.concatenate((np.zeros(later), signal)), RATE, warm_up=later / RATE)
     assert shifted == pytest.approx(weighted(signal, RATE), abs=1e-4)
 
 
-def test_settling_leaves_out_of_the_weighted_signal():
+def test_the_warm_up_is_removed_from_the_weighted_signal():
     signal = sine(4.0, 3.0)
     assert np.array_equal(weighted(signal, RATE, 1.0), weighted(signal, RATE)[500:])
 

@@ -1,4 +1,4 @@
-"""Files of a result: the same numbers in each format, written as they come, the same bytes however they come."""
+"""Result files: the same numbers in each format, rows on disk as they come, the same bytes for any pieces of rows."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ import numpy as np
 import pytest
 
 from cosim import Result, RunError, SetupError, System
-from cosim.results.file_sink import BLOCK_ROWS, file_name
-from cosim.results.formats import FORMATS, FileSink, read, sinks
+from cosim.results.file_sink import BLOCK_ROWS, result_file_name
+from cosim.results.formats import FORMATS, FileSink, create_sinks, read_table
 from seat_cosim.scenarios import seat_suspension
 
 H = 0.002
 NAMES = ["seat.driver_acceleration", "controller.saturated", "other.table[1,2]"]
 UNITS = ["m/s2", None, "N"]
 ROWS = 2 * BLOCK_ROWS + 123
-"""More than two blocks, so that a format of blocks has whole ones and a rest."""
+"""More than two blocks, so that formats with blocks write full ones and a remainder."""
 
 
 @pytest.fixture(scope="module")
 def rows() -> np.ndarray:
-    """Numbers of all magnitudes, a Boolean, and floats that are hard to write."""
+    """Numbers of all magnitudes, a Boolean, and floats that need many digits."""
     random = np.random.default_rng(1)
     table = np.empty((ROWS, 1 + len(NAMES)))
     table[:, 0] = np.arange(ROWS) * H
@@ -37,8 +37,8 @@ def rows() -> np.ndarray:
     return table
 
 
-def feed(sink: FileSink, rows: np.ndarray, cuts: list[int], complete: bool = True) -> Path:
-    """Hand rows to a sink in pieces, in an array that is used anew each time, as a run does."""
+def write_all(sink: FileSink, rows: np.ndarray, cuts: list[int], complete: bool = True) -> Path:
+    """Write rows to a sink in pieces, in an array that is reused, as in a run."""
     sink.begin(NAMES, UNITS)
     for begin, end in pairwise([0, *cuts, len(rows)]):
         piece = rows[begin:end].copy()
@@ -50,8 +50,8 @@ def feed(sink: FileSink, rows: np.ndarray, cuts: list[int], complete: bool = Tru
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_file_reads_back_to_the_same_bits(rows: np.ndarray, tmp_path: Path, name: str):
-    path = feed(FORMATS[name](tmp_path), rows, [1, 500, 20_000])
-    table = read(path)
+    path = write_all(FORMATS[name](tmp_path), rows, [1, 500, 20_000])
+    table = read_table(path)
     assert path.name == f"result{FORMATS[name].suffix}"
     assert table.names == ["time", *NAMES]
     assert table.rows.tobytes() == rows.tobytes()
@@ -63,7 +63,7 @@ def test_a_file_reads_back_to_the_same_bits(rows: np.ndarray, tmp_path: Path, na
 
 
 @pytest.mark.parametrize("name", FORMATS)
-def test_bytes_do_not_tell_in_which_pieces_when_or_where_rows_came(
+def test_bytes_depend_neither_on_pieces_nor_on_the_time_zone(
     rows: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ):
     contents = []
@@ -73,7 +73,7 @@ def test_bytes_do_not_tell_in_which_pieces_when_or_where_rows_came(
         time.tzset()
         folder = tmp_path / zone.replace("/", "-")
         folder.mkdir()
-        contents.append(feed(FORMATS[name](folder), rows, cut).read_bytes())
+        contents.append(write_all(FORMATS[name](folder), rows, cut).read_bytes())
     monkeypatch.undo()
     time.tzset()
     assert len(set(contents)) == 1
@@ -82,7 +82,7 @@ def test_bytes_do_not_tell_in_which_pieces_when_or_where_rows_came(
 @pytest.mark.parametrize("name", FORMATS)
 @pytest.mark.parametrize("count", [0, 7])
 def test_an_incomplete_run_keeps_its_name_and_is_readable(rows: np.ndarray, tmp_path: Path, name: str, count: int):
-    path = feed(FORMATS[name](tmp_path), rows[:count], [], complete=False)
+    path = write_all(FORMATS[name](tmp_path), rows[:count], [], complete=False)
     assert [found.name for found in tmp_path.iterdir()] == [path.name] == [f"result.partial{FORMATS[name].suffix}"]
     result = Result.read(path)
     assert not result.complete
@@ -91,26 +91,26 @@ def test_an_incomplete_run_keeps_its_name_and_is_readable(rows: np.ndarray, tmp_
 
 
 def test_csv_rows_are_on_disk_as_they_come(rows: np.ndarray, tmp_path: Path):
-    (sink,) = sinks(tmp_path)
+    (sink,) = create_sinks(tmp_path)
     sink.begin(NAMES, UNITS)
     for end in (3, 10):
         sink.write(rows[sink.rows : end])
         assert sink.path == tmp_path / "result.partial.csv"
-        assert np.array_equal(read(sink.path).rows, rows[:end])
+        assert np.array_equal(read_table(sink.path).rows, rows[:end])
     sink.end(True)
     assert (sink.rows, sink.reached) == (10, 9 * H)
 
 
-def test_a_line_that_a_crash_cut_off_is_left_out(rows: np.ndarray, tmp_path: Path):
-    path = feed(sinks(tmp_path)[0], rows[:10], [], complete=False)
+def test_an_incomplete_last_line_is_ignored(rows: np.ndarray, tmp_path: Path):
+    path = write_all(create_sinks(tmp_path)[0], rows[:10], [], complete=False)
     path.write_bytes(path.read_bytes()[:-5])
-    assert np.array_equal(read(path).rows, rows[:9])
+    assert np.array_equal(read_table(path).rows, rows[:9])
 
 
-def test_a_run_streams_what_its_result_would_save(system: System, tmp_path: Path):
+def test_the_sinks_of_a_run_write_what_its_result_saves(system: System, tmp_path: Path):
     for folder in ("streamed", "saved"):
         (tmp_path / folder).mkdir()
-    files = sinks(tmp_path / "streamed", FORMATS)
+    files = create_sinks(tmp_path / "streamed", FORMATS)
     with system.open() as session:
         result = session.run(0.5, H, sinks=files)
     assert result.save(tmp_path / "saved", FORMATS) == tmp_path / "saved" / "result.csv"
@@ -122,11 +122,11 @@ def test_a_run_streams_what_its_result_would_save(system: System, tmp_path: Path
     assert Result.read(files[1].path).units == dict(result.units)
 
 
-def test_no_earlier_result_of_any_format_stays_beside_a_new_one(system: System, tmp_path: Path):
+def test_earlier_results_of_all_formats_are_removed(system: System, tmp_path: Path):
     result = system.simulate(0.01, H)
     for kind in FORMATS.values():
         for complete in (True, False):
-            (tmp_path / file_name(kind.suffix, complete)).write_text("of an earlier run")
+            (tmp_path / result_file_name(kind.suffix, complete)).write_text("of an earlier run")
     (tmp_path / "run.json").write_text("of an earlier run")
     (tmp_path / "notes.txt").write_text("the user's")
     result.save(tmp_path)
@@ -136,11 +136,11 @@ def test_no_earlier_result_of_any_format_stays_beside_a_new_one(system: System, 
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_full_disk_is_a_failure_of_the_run(rows: np.ndarray, tmp_path: Path, name: str):
     sink = FORMATS[name](tmp_path)
-    (tmp_path / file_name(sink.suffix, complete=False)).symlink_to("/dev/full")
+    (tmp_path / result_file_name(sink.suffix, complete=False)).symlink_to("/dev/full")
     with pytest.raises(RunError, match=rf"result\.partial\{sink.suffix}: expected to write the result, got: "):
-        feed(sink, rows, [])
+        write_all(sink, rows, [])
     sink.end(False)
-    assert not (tmp_path / file_name(sink.suffix, complete=True)).exists()
+    assert not (tmp_path / result_file_name(sink.suffix, complete=True)).exists()
 
 
 @pytest.mark.parametrize("name", ["csv", "parquet"])
@@ -158,7 +158,7 @@ def test_a_disk_that_fills_up_ends_the_run_and_loses_nothing(native: Path, tmp_p
     with seat_suspension(native / "fmi2").open() as session:
         resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
         try:
-            result = session.run(1.0, H, sinks=sinks(tmp_path), stepper=stepper)
+            result = session.run(1.0, H, sinks=create_sinks(tmp_path), stepper=stepper)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert not result.complete
@@ -169,15 +169,16 @@ def test_a_disk_that_fills_up_ends_the_run_and_loses_nothing(native: Path, tmp_p
     assert 0 < len(written.time) < len(result.time)
 
 
-def test_a_missing_package_is_told_before_the_run_with_its_extra(tmp_path: Path):
+def test_a_missing_package_is_an_error_before_the_run_that_names_its_extra(tmp_path: Path):
     script = (
         "import sys; sys.modules.update(asammdf=None, pyarrow=None)\n"
-        "from pathlib import Path; from cosim import SetupError; from cosim.results.formats import FORMATS, sinks\n"
-        "try: sinks(Path('nowhere'), FORMATS)\n"
+        "from pathlib import Path; from cosim import SetupError\n"
+        "from cosim.results.formats import FORMATS, create_sinks\n"
+        "try: create_sinks(Path('nowhere'), FORMATS)\n"
         "except SetupError as error: print(*error.problems, sep='\\n')"
     )
-    told = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert told.stdout.splitlines() == [
+    process = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert process.stdout.splitlines() == [
         f"{extra} files: expected the package {package}, got: import of {package} halted; None in sys.modules; "
         f'run: pip install "seat-cosim[{extra}]"'
         for extra, package in (("parquet", "pyarrow"), ("mdf", "asammdf"))
@@ -190,13 +191,13 @@ def test_the_packages_of_other_formats_are_not_loaded_without_need():
     subprocess.run([sys.executable, "-c", script], check=True)
 
 
-def test_unknown_formats_are_refused(tmp_path: Path):
+def test_unknown_formats_are_errors(tmp_path: Path):
     with pytest.raises(SetupError, match="format: expected one of csv, parquet, mdf4, got xlsx"):
-        sinks(tmp_path, ["xlsx"])
+        create_sinks(tmp_path, ["xlsx"])
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "said"),
+    ("name", "content", "message"),
     [
         ("result.csv", "", "expected a first column time, got no column"),
         ("result.csv", "a,b\n1.0,2.0\n", "expected a first column time, got a"),
@@ -209,9 +210,9 @@ def test_unknown_formats_are_refused(tmp_path: Path):
         ("result.csv", None, "expected the result of a run, got no such file"),
     ],
 )
-def test_what_is_no_result_is_told(tmp_path: Path, name: str, content: str | None, said: str):
+def test_a_file_that_is_no_result_is_an_error(tmp_path: Path, name: str, content: str | None, message: str):
     if content is not None:
         (tmp_path / name).write_text(content)
-    with pytest.raises(SetupError, match=said) as error:
+    with pytest.raises(SetupError, match=message) as error:
         Result.read(tmp_path / name)
     assert str(tmp_path / name) in str(error.value)

@@ -1,4 +1,4 @@
-"""Systems from SSP files: nested or flat the same trajectory, values in the right units, and no mistake in silence."""
+"""Systems from SSP files: nested and flat ones give the same results, units are converted, mistakes are errors."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ GRAMS = Unit("g", (1, 0, 0, 0, 0, 0, 0, 0), 1e-3)
 STANDARD_GRAVITY = Unit("gn", (0, 1, -2, 0, 0, 0, 0, 0), 9.80665)
 UNITS = tuple(ssv.UnitDefinition.of(unit) for unit in (MILLIMETRES, GRAMS, STANDARD_GRAVITY))
 
-Edit = Callable[[ssd.Description], ssd.Description]
+Edit = Callable[[ssd.SystemStructureDescription], ssd.SystemStructureDescription]
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def rewritten(source: Path, target: Path, edit: Edit, **files: bytes) -> Path:
 def with_system(**changes: object) -> Edit:
     """Change the outermost system; functions get what is there."""
 
-    def edit(description: ssd.Description) -> ssd.Description:
+    def edit(description: ssd.SystemStructureDescription) -> ssd.SystemStructureDescription:
         system = description.system
         made = {name: new(getattr(system, name)) if callable(new) else new for name, new in changes.items()}
         return replace(description, system=replace(system, **made), units=(*description.units, *UNITS))
@@ -66,14 +66,14 @@ def element(name: str, /, **changes: object) -> Callable[[tuple], tuple]:
     return lambda elements: tuple(replace(e, **changes) if e.name == name else e for e in elements)
 
 
-def values(units: tuple = (), **given: ssv.Given) -> ssv.ParameterSet:
+def values(units: tuple = (), **given: ssv.TypedValue) -> ssv.ParameterSet:
     """Make a set of parameters; ``__`` of a name is a dot."""
-    parameters = tuple(ssv.Parameter(name=name.replace("__", "."), given=value) for name, value in given.items())
+    parameters = tuple(ssv.Parameter(name=name.replace("__", "."), typed_value=value) for name, value in given.items())
     return ssv.ParameterSet(version="1.0", name="test", parameters=parameters, units=units)
 
 
-def real(value: float, unit: str | None = None) -> ssv.Given:
-    return ssv.Given(kind="Real", text=repr(value), unit=unit)
+def real(value: float, unit: str | None = None) -> ssv.TypedValue:
+    return ssv.TypedValue(kind="Real", text=repr(value), unit=unit)
 
 
 def same_trajectory(one: System, other: System, names: dict[str, str] | None = None) -> None:
@@ -160,7 +160,7 @@ def test_a_description_beside_its_resources_is_loaded(seat_ssp: Path, tmp_path: 
 # ---- nested systems --------------------------------------------------------------------------------------------------
 
 
-def nested(description: ssd.Description) -> ssd.Description:
+def nested(description: ssd.SystemStructureDescription) -> ssd.SystemStructureDescription:
     """Put seat and controller into a cabin, the seat into a box in it; the floor arrives in mm and upside down."""
     system = description.system
     seat, controller, shaker = (
@@ -224,9 +224,9 @@ def nested(description: ssd.Description) -> ssd.Description:
 def test_a_nested_system_runs_as_the_flat_one(seat_ssp: Path, tmp_path: Path):
     system = System.load(rewritten(seat_ssp, tmp_path / "nested.ssp", nested))
     assert system.order == ("cabin/controller", "cabin/box/seat", "shaker")
-    feeds = {str(port): str(feed.source) for port, feed in system.connections.items()}
-    assert feeds["cabin/box/seat.floor_displacement"] == "shaker.floor_displacement"
-    assert feeds["cabin/controller.seat_acceleration"] == "cabin/box/seat.seat_acceleration_measured"
+    sources = {str(ref): str(connection.source) for ref, connection in system.connections.items()}
+    assert sources["cabin/box/seat.floor_displacement"] == "shaker.floor_displacement"
+    assert sources["cabin/controller.seat_acceleration"] == "cabin/box/seat.seat_acceleration_measured"
     same_trajectory(
         System.load(seat_ssp), system, {"seat": "cabin/box/seat", "controller": "cabin/controller", "shaker": "shaker"}
     )
@@ -234,7 +234,7 @@ def test_a_nested_system_runs_as_the_flat_one(seat_ssp: Path, tmp_path: Path):
     assert System.load(tmp_path / "flat.ssp").connections == system.connections
 
 
-def test_transformations_of_a_way_come_in_its_order(seat_ssp: Path, tmp_path: Path):
+def test_transformations_are_applied_in_the_order_of_the_path(seat_ssp: Path, tmp_path: Path):
     def linear(*numbers: float) -> ssv.Transformation | None:
         return ssv.Transformation.of(Linear(*numbers))
 
@@ -248,8 +248,8 @@ def test_transformations_of_a_way_come_in_its_order(seat_ssp: Path, tmp_path: Pa
             joined("through.out", "seat.force", transformation=linear(11.0, 13.0)),
         ),
     )
-    feed = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit)).connections[VariableRef("seat", "force")]
-    assert feed.transformation(1.0) == 11.0 * (5.0 * (2.0 * 1.0 + 3.0) + 7.0) + 13.0
+    connection = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit)).connections[VariableRef("seat", "force")]
+    assert connection.transformation(1.0) == 11.0 * (5.0 * (2.0 * 1.0 + 3.0) + 7.0) + 13.0
 
 
 def test_an_outermost_input_stays_free_and_takes_a_start_value(seat_ssp: Path, tmp_path: Path):
@@ -309,7 +309,7 @@ def test_connections_convert_units_and_transform_after_that(native: Path, tmp_pa
         )
     )
     loaded = System.load(rewritten(tmp_path / "a.ssp", tmp_path / "b.ssp", more))
-    found = {port.variable: feed.transformation for port, feed in loaded.connections.items()}
+    found = {ref.variable: connection.transformation for ref, connection in loaded.connections.items()}
     assert found == {
         "floor_acceleration": Linear(2.0 * 9.80665, 0.5),
         "floor_displacement": Linear(0.001),
@@ -323,11 +323,11 @@ def test_connections_convert_units_and_transform_after_that(native: Path, tmp_pa
         (real(70.0), 70.0),
         (real(70000.0, "g"), 70.0),
         (real(70.0, "kg"), 70.0),
-        (ssv.Given(kind="Integer", text="70"), 70),
+        (ssv.TypedValue(kind="Integer", text="70"), 70),
     ],
 )
 def test_a_parameter_is_converted_to_its_variables_unit(
-    seat_ssp: Path, tmp_path: Path, given: ssv.Given, expected: float
+    seat_ssp: Path, tmp_path: Path, given: ssv.TypedValue, expected: float
 ):
     binding = ssd.ParameterBinding(values=values(UNITS, driver_mass=given))
     edit = with_system(elements=element("seat", bindings=(binding,)))
@@ -337,7 +337,7 @@ def test_a_parameter_is_converted_to_its_variables_unit(
 # ---- parameters ------------------------------------------------------------------------------------------------------
 
 
-def test_who_binds_last_and_furthest_out_wins(seat_ssp: Path, tmp_path: Path):
+def test_the_last_and_outermost_binding_wins(seat_ssp: Path, tmp_path: Path):
     inner = (
         ssd.ParameterBinding(values=values(driver_mass=real(50.0), seat_mass=real(20.0), suspension_damping=real(1.0))),
         ssd.ParameterBinding(values=values(driver_mass=real(51.0))),
@@ -355,7 +355,7 @@ def test_who_binds_last_and_furthest_out_wins(seat_ssp: Path, tmp_path: Path):
 
 
 def test_hierarchical_names_reach_into_nested_systems(seat_ssp: Path, tmp_path: Path):
-    def edit(description: ssd.Description) -> ssd.Description:
+    def edit(description: ssd.SystemStructureDescription) -> ssd.SystemStructureDescription:
         made = nested(description)
         given = values(**{"cabin__box__seat__driver_mass": real(70.0), "cabin__controller__K1__rate": real(-80.0)})
         return replace(made, system=replace(made.system, bindings=(ssd.ParameterBinding(values=given),)))
@@ -400,8 +400,8 @@ def test_a_mapping_renames_and_transforms_after_the_conversion(seat_ssp: Path, t
     given = values(
         UNITS,
         m=real(65.0, "g"),
-        off=ssv.Given(kind="Boolean", text="1"),
-        shaker__profile=ssv.Given(kind="Enumeration", text="sine"),
+        off=ssv.TypedValue(kind="Boolean", text="1"),
+        shaker__profile=ssv.TypedValue(kind="Enumeration", text="sine"),
     )
     edit = with_system(
         bindings=(
@@ -430,15 +430,15 @@ def test_parameters_may_lie_inside_the_fmu(native: Path, tmp_path: Path):
     assert System.load(rewritten(tmp_path / "a.ssp", tmp_path / "b.ssp", edit)).parameters == {"seat.driver_mass": 70.0}
 
 
-def test_names_that_fit_nothing_and_starts_of_fed_inputs_are_passed_over(seat_ssp: Path, tmp_path: Path):
-    given = values(seat__weight=real(1.0), bench__x=real(1.0), seat__force=real(9.0))
+def test_unknown_names_and_start_values_of_connected_inputs_are_ignored(seat_ssp: Path, tmp_path: Path):
+    given = values(seat__weight=real(1.0), rig__x=real(1.0), seat__force=real(9.0))
     edit = with_system(bindings=(ssd.ParameterBinding(values=given),))
     system = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit))
     assert system.parameters == {}
     where = f"{tmp_path / 'a.ssp' / DESCRIPTION}: parameter"
     assert system.ignored == (
-        f"{where} seat.weight: passed over, as there is no seat.weight in the system",
-        f"{where} bench.x: passed over, as there is no bench.x in the system",
+        f"{where} seat.weight: ignored, as there is no seat.weight in the system",
+        f"{where} rig.x: ignored, as there is no rig.x in the system",
     )
 
 
@@ -450,8 +450,8 @@ def test_a_parameter_file_is_read_for_a_run(seat_ssp: Path, tmp_path: Path):
             values(
                 UNITS,
                 shaker__bump__height=real(50.0, "mm"),
-                shaker__profile=ssv.Given(kind="Enumeration", text="sine"),
-                controller__anti_windup=ssv.Given(kind="Boolean", text="true"),
+                shaker__profile=ssv.TypedValue(kind="Enumeration", text="sine"),
+                controller__anti_windup=ssv.TypedValue(kind="Boolean", text="true"),
             )
         )
     )
@@ -466,7 +466,7 @@ def test_a_parameter_file_is_read_for_a_run(seat_ssp: Path, tmp_path: Path):
                 seat__seat_mass=real(50.0, "stone"),
                 seat__mass=real(1.0),
                 plain=real(1.0),
-                shaker__bump__height=ssv.Given(kind="String", text="0.05"),
+                shaker__bump__height=ssv.TypedValue(kind="String", text="0.05"),
             )
         )
     )
@@ -488,7 +488,7 @@ def test_a_parameter_file_is_read_for_a_run(seat_ssp: Path, tmp_path: Path):
         read_parameters(tmp_path / "none.ssv", system)
 
 
-# ---- what is refused -------------------------------------------------------------------------------------------------
+# ---- errors ----------------------------------------------------------------------------------------------------------
 
 
 def joined(start: str, end: str, **more: object) -> ssd.Connection:
@@ -507,7 +507,7 @@ def only(*connections: ssd.Connection, **more: object) -> Edit:
     return with_system(connections=connections, **more)
 
 
-def bound(name: str = "driver_mass", given: ssv.Given | None = None, **more: object) -> Edit:
+def bound(name: str = "driver_mass", given: ssv.TypedValue | None = None, **more: object) -> Edit:
     binding = ssd.ParameterBinding(values=values(UNITS, **{name: given or real(70.0)}), **more)
     return with_system(elements=element("seat", bindings=(binding,)))
 
@@ -527,7 +527,7 @@ THROUGH = ssd.System(
 INSIDE = ssd.ParameterBinding(source="p.ssv", source_base="component")
 PLAIN = ssd.Connector(name="plain", kind="input")
 
-REFUSED = {
+WRONG = {
     "missing fmu": (
         with_system(elements=element("seat", source="resources/Chair.fmu")),
         "resources/Chair.fmu: expected a file in the archive, got none of that name",
@@ -571,15 +571,15 @@ REFUSED = {
     ),
     "connector's kind": (
         connector("force", "output", "Real"),
-        "connector seat.force: expected kind input, as the FMU says, got output",
+        "connector seat.force: expected the FMU's kind input, got output",
     ),
     "connector's type": (
         connector("force", "input", "Boolean"),
-        "connector seat.force: expected type Real, as the FMU says, got Boolean",
+        "connector seat.force: expected the FMU's type Real, got Boolean",
     ),
     "connector's unit": (
         connector("floor_displacement", "input", "Real", "mm"),
-        "connector seat.floor_displacement: expected unit m, as the FMU says, got mm of another definition",
+        "connector seat.floor_displacement: expected the FMU's unit m, got mm of another definition",
     ),
     "connector's unknown unit": (
         connector("floor_displacement", "input", "Real", "ell"),
@@ -596,15 +596,15 @@ REFUSED = {
     "unknown connector": (only(joined("floor", "seat.floor_velocity")), "floor: expected a connector of the system"),
     "two outputs": (
         only(joined("shaker.floor_velocity", "seat.seat_acceleration")),
-        "expected one end that gives and one that takes, got output and output",
+        "expected a source and a sink, got output and output",
     ),
     "an outermost input to an output": (
         only(joined("plain", "shaker.floor_velocity"), connectors=(PLAIN,)),
-        "expected one end that gives and one that takes, got input and output",
+        "expected a source and a sink, got input and output",
     ),
     "a parameter to an input": (
         only(joined("plain", "seat.force"), connectors=(ssd.Connector(name="plain", kind="parameter"),)),
-        "expected one end that gives and one that takes, got parameter and input",
+        "expected a source and a sink, got parameter and input",
     ),
     "fed twice": (
         only(joined("controller.force", "seat.force"), joined("seat.force", "controller.force_demand")),
@@ -630,7 +630,7 @@ REFUSED = {
             elements=lambda old: (*old, THROUGH, replace(THROUGH, name="other")),
             bindings=(ssd.ParameterBinding(values=values(through__in=real(1.0))),),
         ),
-        "expected a way from a component, got a loop of systems' connectors",
+        "expected a path from a component, got a loop of systems' connectors",
     ),
     "parameter of another dimension": (
         bound(given=real(70.0, "mm")),
@@ -656,11 +656,11 @@ REFUSED = {
         "parameter out: expected a parameter or an input, got the system's output out",
     ),
     "binary parameter": (
-        bound(given=ssv.Given(kind="Binary", text="00")),
+        bound(given=ssv.TypedValue(kind="Binary", text="00")),
         "parameter driver_mass: expected a number, Boolean or text, got Binary",
     ),
     "text for a number": (
-        bound(given=ssv.Given(kind="String", text="70")),
+        bound(given=ssv.TypedValue(kind="String", text="70")),
         "seat.driver_mass: expected a value of type Real, got String",
     ),
     "parameters of another type": (
@@ -697,9 +697,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
-def test_a_wrong_system_is_refused_with_one_clear_error(seat_ssp: Path, tmp_path: Path, case: str):
-    edit, problem = REFUSED[case]
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_system_is_one_error(seat_ssp: Path, tmp_path: Path, case: str):
+    edit, problem = WRONG[case]
     path = rewritten(seat_ssp, tmp_path / "Wrong.ssp", edit, text__txt=b"hello")
     with pytest.raises(SetupError, match=problem) as error:
         System.load(path)
@@ -707,7 +707,7 @@ def test_a_wrong_system_is_refused_with_one_clear_error(seat_ssp: Path, tmp_path
     assert str(error.value).startswith(str(path))
 
 
-def test_all_problems_are_told_at_once(seat_ssp: Path, tmp_path: Path):
+def test_all_problems_are_reported_at_once(seat_ssp: Path, tmp_path: Path):
     wrong = (joined("nobody.x", "seat.force"), joined("shaker.y", "seat.floor_velocity"))
     edit = only(*wrong, elements=element("controller", source="resources/none.fmu"))
     with pytest.raises(SetupError) as error:
@@ -715,7 +715,7 @@ def test_all_problems_are_told_at_once(seat_ssp: Path, tmp_path: Path):
     assert len(error.value.problems) == 3
 
 
-def test_what_is_no_package_is_refused(seat_ssp: Path, tmp_path: Path):
+def test_invalid_packages_are_errors(seat_ssp: Path, tmp_path: Path):
     with pytest.raises(SetupError, match=r"none.ssp: expected a system structure .*, got no such file"):
         System.load(tmp_path / "none.ssp")
     with pytest.raises(SetupError, match=r"none.ssd: expected a system structure, got no such file"):
@@ -754,14 +754,14 @@ def test_a_damaged_member_is_named(seat_ssp: Path, tmp_path: Path):
     assert len(error.value.problems) == 1
 
 
-def test_a_system_that_cannot_be_written_says_so(seat_ssp: Path, tmp_path: Path):
+def test_a_system_that_cannot_be_written_is_an_error(seat_ssp: Path, tmp_path: Path):
     (tmp_path / "file").write_text("a file")
     with pytest.raises(SetupError, match="file: expected a folder to write to, got"):
         System.load(seat_ssp).save(tmp_path / "file" / "a.ssp")
 
 
-def test_what_a_file_of_others_says_of_the_step_is_taken(seat_ssp: Path, tmp_path: Path):
-    def edit(description: ssd.Description) -> ssd.Description:
+def test_the_step_size_of_other_tools_is_read(seat_ssp: Path, tmp_path: Path):
+    def edit(description: ssd.SystemStructureDescription) -> ssd.SystemStructureDescription:
         fixed = ssd.OspAlgorithm(fixed_step=ssd.FixedStep(base_step_size=0.001))
         annotations = (ssd.Annotation(type="of.others"), ssd.Annotation(type=ssd.Annotation.OSP, content=fixed))
         return replace(description, experiment=ssd.DefaultExperiment(stop_time=2.0, annotations=annotations))
@@ -770,8 +770,8 @@ def test_what_a_file_of_others_says_of_the_step_is_taken(seat_ssp: Path, tmp_pat
     assert (system.step_size, system.stop_time) == (0.001, 2.0)
 
 
-def test_an_experiment_that_begins_later_is_left_alone(seat_ssp: Path, tmp_path: Path):
-    def edit(description: ssd.Description) -> ssd.Description:
+def test_the_stop_time_of_an_experiment_that_starts_later_is_ignored(seat_ssp: Path, tmp_path: Path):
+    def edit(description: ssd.SystemStructureDescription) -> ssd.SystemStructureDescription:
         return replace(description, experiment=ssd.DefaultExperiment(start_time=1.0, stop_time=2.0))
 
     assert System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit)).stop_time is None

@@ -1,4 +1,4 @@
-"""Documents of SSP 1.0: what is written is read back, follows the schemas, and nothing is lost in silence."""
+"""Documents of SSP 1.0: they are read back as written, are valid against the schemas, and invalid ones are errors."""
 
 from __future__ import annotations
 
@@ -23,11 +23,13 @@ PARAMETERS = ssv.ParameterSet(
     version="1.0",
     name="all",
     parameters=(
-        ssv.Parameter(name="mass", given=ssv.Given(kind="Real", text="70000.0", unit="g")),
-        ssv.Parameter(name="count", given=ssv.Given(kind="Integer", text="-3")),
-        ssv.Parameter(name="on", given=ssv.Given(kind="Boolean", text="true")),
-        ssv.Parameter(name="path", given=ssv.Given(kind="String", text="a <b> & 'c' \u00e9")),
-        ssv.Parameter(name="profile", given=ssv.Given(kind="Enumeration", text="sine", enumeration="profile")),
+        ssv.Parameter(name="mass", typed_value=ssv.TypedValue(kind="Real", text="70000.0", unit="g")),
+        ssv.Parameter(name="count", typed_value=ssv.TypedValue(kind="Integer", text="-3")),
+        ssv.Parameter(name="on", typed_value=ssv.TypedValue(kind="Boolean", text="true")),
+        ssv.Parameter(name="path", typed_value=ssv.TypedValue(kind="String", text="a <b> & 'c' \u00e9")),
+        ssv.Parameter(
+            name="profile", typed_value=ssv.TypedValue(kind="Enumeration", text="sine", enumeration="profile")
+        ),
     ),
     enumerations=(
         ssv.Enumeration(name="profile", items=(ssv.Item(name="bump", value=1), ssv.Item(name="sine", value=2))),
@@ -71,7 +73,7 @@ _SEAT = ssd.Component(
     annotations=(ssd.Annotation(type=ssd.Annotation.OSP, content=ssd.StepSizeHint(value=0.004)),),
 )
 
-DESCRIPTION = ssd.Description(
+DESCRIPTION = ssd.SystemStructureDescription(
     version="1.0",
     name="Seat",
     generation_tool="test",
@@ -118,7 +120,7 @@ DOCUMENTS = [
 
 
 @pytest.mark.parametrize(("document", "read", "schema"), DOCUMENTS)
-def test_what_is_written_is_read_back_and_follows_the_schema(document, read, schema: str):
+def test_documents_are_read_back_and_valid_against_the_schema(document, read, schema: str):
     data = write_document(document)
     assert read(data, "here") == document
     assert write_document(read(data, "here")) == data
@@ -133,11 +135,11 @@ def test_floats_are_read_back_to_the_same_bits(factor: float, offset: float):
 
 
 def test_values_have_their_type():
-    values = {p.name: p.given.value for p in PARAMETERS.parameters}
+    values = {p.name: p.typed_value.value for p in PARAMETERS.parameters}
     assert values == {"mass": 70000.0, "count": -3, "on": True, "path": "a <b> & 'c' \u00e9", "profile": "sine"}
 
 
-def test_what_is_of_others_is_passed_over():
+def test_elements_of_other_tools_are_ignored():
     data = write_document(DESCRIPTION).decode()
     foreign = data.replace(
         '<ssd:Connection startConnector="in" endElement="cabin" endConnector="in"/>',
@@ -184,13 +186,13 @@ BOMB = '<!DOCTYPE a [<!ENTITY b "bbbb"><!ENTITY c "&b;&b;">]>'
         (TEXT.replace(' baseStepSize="0.1"', ""), "baseStepSize: expected a number, got none"),
     ],
 )
-def test_what_is_no_description_is_refused(text: str, problem: str):
+def test_invalid_documents_are_errors(text: str, problem: str):
     with pytest.raises(SetupError, match=f"^here: .*{problem}") as error:
         ssd.read_description(text.encode(), "here")
     assert len(error.value.problems) == 1
 
 
-def test_another_document_is_refused():
+def test_another_kind_of_document_is_an_error():
     with pytest.raises(SetupError, match="here: expected <ssv:ParameterSet> of SSP 1.0, got <ParameterMapping>"):
         ssv.read_parameter_set(write_document(MAPPING), "here")
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plant_models.seat.actuator import PLACES
-from plant_models.seat.interface import LONGEST_DELAY, Inputs, Parameters
-from plant_models.seat.seat import State, advance, initial, prepare
+from plant_models.seat.actuator import DELAY_LINE_CAPACITY
+from plant_models.seat.interface import MAX_DELAY, Inputs, Parameters
+from plant_models.seat.seat import State, advance, initialize, prepare
 from tests.helpers.rig import Rig, bump
 
 H = 0.002
@@ -22,7 +22,7 @@ MASS = Parameters().seat_mass
 def pushed(forces: list[float], steps: list[float], **parameters: float) -> State:
     """Push a free seat with one force after the other; it starts at rest without force."""
     c = prepare(Parameters(**FREE, **parameters))
-    state, _ = initial(Inputs(), c, 0.0)
+    state, _ = initialize(Inputs(), c, 0.0)
     times = accumulate([0.0, *steps])
     for force, time, step in zip(forces, times, steps, strict=False):
         state, _ = advance(state, Inputs(force=force), c, time, step)
@@ -54,7 +54,7 @@ def test_a_lag_answers_a_step_exponentially_and_moves_a_free_mass_exactly(time_c
     assert state.masses.seat_displacement == pytest.approx(displacement, rel=1e-9, abs=1e-13 * scale * t)
 
 
-def test_a_lag_fades_to_zero_and_not_to_denormal_numbers():
+def test_a_lag_fades_to_zero_and_not_to_subnormal_numbers():
     state = pushed([100.0] * 5 + [0.0] * 200, [H] * 205, actuator_time_constant=1e-3)
     assert state.actuator.force == 0.0
 
@@ -62,7 +62,7 @@ def test_a_lag_fades_to_zero_and_not_to_denormal_numbers():
 # ---- delay -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("delay", [1e-5, 1.3e-3, H, 0.0137, 0.1, LONGEST_DELAY])
+@pytest.mark.parametrize("delay", [1e-5, 1.3e-3, H, 0.0137, 0.1, MAX_DELAY])
 @pytest.mark.parametrize("step", [H, H / 4, 5e-3])
 def test_a_delay_shifts_by_any_time_exactly_at_any_step_size(delay: float, step: float):
     random = np.random.default_rng(5)
@@ -89,16 +89,16 @@ def test_step_sizes_may_change_while_forces_are_on_their_way():
 
 @pytest.mark.parametrize("step", [1e-5, 1e-4, 3e-4])
 def test_at_tiny_steps_a_force_is_late_by_a_128th_of_the_delay_at_most(step: float):
-    """A force that tells when it was asked for."""
+    """The value of the force is the time of its command."""
     delay = 0.05
     c = prepare(Parameters(**FREE, actuator_delay=delay))
-    state, _ = initial(Inputs(), c, 0.0)
+    state, _ = initialize(Inputs(), c, 0.0)
     for k in range(round(0.15 / step)):
         state, _ = advance(state, Inputs(force=k * step), c, k * step, step)
-        assert state.actuator.line_length <= 2 * PLACES
+        assert state.actuator.line_length <= 2 * DELAY_LINE_CAPACITY
         age = k * step - state.actuator.force
         if k * step > 2 * delay:
-            assert delay - step - 1e-12 < age < delay * (1 + 1 / PLACES) + 2 * step
+            assert delay - step - 1e-12 < age < delay * (1 + 1 / DELAY_LINE_CAPACITY) + 2 * step
 
 
 def test_a_delay_in_the_seat_is_one_in_the_loop(native: Path):
@@ -128,9 +128,9 @@ def test_the_delayed_force_is_lagged():
     assert state.actuator.force == pytest.approx(-100.0 * math.expm1(-(count * H - delay) / time_constant), rel=1e-11)
 
 
-def test_the_actuator_starts_settled_on_the_initial_force():
+def test_the_actuator_is_in_steady_state_at_the_start():
     c = prepare(Parameters(actuator_force_limit=50.0, actuator_delay=0.01, actuator_time_constant=0.01))
-    state, outputs = initial(Inputs(force=80.0), c, 0.0)
+    state, outputs = initialize(Inputs(force=80.0), c, 0.0)
     assert outputs.seat_acceleration == pytest.approx(50.0 / MASS, rel=1e-15)
     assert state.actuator.force == 50.0
     state, _ = advance(state, Inputs(force=80.0), c, 0.0, H)

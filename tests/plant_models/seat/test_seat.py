@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from fmus.component import ParameterError, numbers_of
+from fmus.component import ParameterError, pack_state
 from plant_models.seat.interface import Inputs, Parameters
-from plant_models.seat.seat import Masses, State, advance, initial, prepare
+from plant_models.seat.seat import Masses, State, advance, initialize, prepare
 
 H = 0.002
 
 
 def test_starts_at_rest_with_all_outputs_zero():
-    state, outputs = initial(Inputs(), prepare(Parameters()), 0.0)
+    state, outputs = initialize(Inputs(), prepare(Parameters()), 0.0)
     assert state == State(Masses(0.0, 0.0, 0.0, 0.0, 0.0))
     assert outputs.seat_acceleration == outputs.driver_acceleration == outputs.suspension_deflection == 0.0
 
@@ -52,7 +52,7 @@ def test_without_friction_a_step_is_the_matrix_exponential():
 
 def test_force_lifts_the_seat_to_static_equilibrium():
     c = prepare(Parameters(friction_alpha=0.0, suspension_damping=2000.0))
-    state = initial(Inputs(), c, 0.0)[0]
+    state = initialize(Inputs(), c, 0.0)[0]
     for _ in range(5000):
         state, outputs = advance(state, Inputs(force=92.0), c, 0.0, H)
     assert outputs.suspension_deflection == pytest.approx(92.0 / 4600.0, rel=1e-9)
@@ -61,7 +61,7 @@ def test_force_lifts_the_seat_to_static_equilibrium():
 
 def test_friction_holds_the_seat_below_its_plateau():
     c = prepare(Parameters())
-    state = initial(Inputs(), c, 0.0)[0]
+    state = initialize(Inputs(), c, 0.0)[0]
     for _ in range(2000):
         state, outputs = advance(state, Inputs(force=60.0), c, 0.0, H)
     assert outputs.suspension_deflection < 1e-4
@@ -121,5 +121,5 @@ def test_any_step_size_gives_finite_values():
     c = prepare(Parameters())
     for step_size in (1e-6, 1e-4, 0.01, 1.0):
         state, outputs = advance(State(Masses(0.02, 0.0, 0.02, 0.0, 0.0)), Inputs(), c, 0.0, step_size)
-        assert all(map(math.isfinite, numbers_of(state)))
+        assert all(map(math.isfinite, pack_state(state)))
         assert math.isfinite(outputs.seat_acceleration)

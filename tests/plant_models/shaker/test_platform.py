@@ -10,13 +10,13 @@ import pytest
 
 from fmus.component import ParameterError
 from plant_models.shaker.interface import Inputs, Outputs, Parameters, Profile, RandomClass, SweepMode
-from plant_models.shaker.shaker import TICK, advance, initial, prepare
+from plant_models.shaker.shaker import TICK, advance, initialize, prepare
 from tests.plant_models.shaker.test_noise import run
 
 
 @pytest.mark.parametrize("bandwidth", [2.0, 10.0, 50.0])
 @pytest.mark.parametrize("frequency", [1.0, 3.0, 12.0])
-def test_a_sine_comes_through_as_the_closed_form_says(bandwidth: float, frequency: float):
+def test_the_response_to_a_sine_is_the_closed_form(bandwidth: float, frequency: float):
     """Amplitude and phase of 1/(1 - r^2 + 2 zeta r i), r = f/f_p; the tick costs up to (omega tick)^2/6."""
     p = Parameters(profile=Profile.sine, sine_frequency=frequency, sine_amplitude=0.01, platform_bandwidth=bandwidth)
     times = TICK * np.arange(1, 4001)
@@ -42,7 +42,7 @@ VIOLENT = [
 @pytest.mark.parametrize("names", [[name] for name in LIMITS] + [list(LIMITS)], ids=lambda n: "+".join(n))
 @pytest.mark.parametrize("violence", VIOLENT, ids=lambda v: f"{v['profile'].name}")
 @pytest.mark.parametrize("bandwidth", [3.0, 20.0, 50.0])
-def test_limits_hold_whatever_the_profile(violence: dict, names: list[str], bandwidth: float):
+def test_limits_hold_for_every_profile(violence: dict, names: list[str], bandwidth: float):
     p = Parameters(**violence, **{name: LIMITS[name] for name in names}, platform_bandwidth=bandwidth)
     rows = run(p, TICK / 4 * np.arange(1, 8001))
     for column, name in enumerate(LIMITS):
@@ -74,9 +74,9 @@ def test_without_a_bandwidth_there_is_no_platform():
         prepare(Parameters(platform_stroke=0.05))
 
 
-def test_a_platform_that_comes_to_rest_has_no_denormal_states():
+def test_a_platform_at_rest_has_no_subnormal_states():
     c = prepare(Parameters(platform_bandwidth=10.0))
-    state, _ = initial(Inputs(), c, 0.0)
+    state, _ = initialize(Inputs(), c, 0.0)
     state, _ = advance(state, Inputs(), c, 0.0, 1.0)
     assert state.platform_displacement != 0.0
     state, floor = advance(state, Inputs(), c, 1.0, 4.0)

@@ -17,8 +17,8 @@ from fmus.export.native_fmu import STANDARDS, source_files
 from plant_models.shaker.example_recording import acceleration, example
 from plant_models.shaker.interface import Outputs
 from plant_models.shaker.profiles import bump
-from plant_models.shaker.recording import FEWEST_ROWS, LONGEST_LINE, MOST_ROWS, read
-from plant_models.shaker.replay import Curve, load, motion
+from plant_models.shaker.recording import MAX_LINE_SIZE, MAX_ROWS, MIN_ROWS, read
+from plant_models.shaker.replay import Spline, load, motion
 from plant_models.shaker.shaker import SHAKER
 from tests.helpers.paths import NATIVE, ROOT
 
@@ -32,7 +32,7 @@ def written(path: Path, quantity: str, t: np.ndarray, x: np.ndarray) -> str:
     return str(path)
 
 
-def sampled(curve: Curve, t: np.ndarray) -> np.ndarray:
+def sampled(curve: Spline, t: np.ndarray) -> np.ndarray:
     """Rows of displacement, velocity, acceleration."""
     motions = [motion(curve, time) for time in t.tolist()]
     return np.array([(m.floor_displacement, m.floor_velocity, m.floor_acceleration) for m in motions])
@@ -91,6 +91,7 @@ def test_a_sine_with_a_bias_gives_the_sine_without_drift(
     assert np.abs(found[:, 2] - recorded + 0.1)[middle].max() < 0.003 * amplitude * omega**2
 
 
+@pytest.mark.slow
 def test_noise_of_a_sensor_does_not_wander_off(tmp_path: Path):
     """White noise of 0.02 m/s2 in ten minutes: integrated twice a walk of metres, high-passed at 0.1 Hz millimetres."""
     t = np.arange(0.0, 600.0, 0.01)
@@ -168,9 +169,12 @@ WRONG = {
     ),
     "unsorted": (edited(12, "0.05,1"), r"line 12: expected a time above 0.09 s, got 0.05 s"),
     "duplicate": (edited(12, "0.09,1"), r"line 12: expected a time above 0.09 s, got 0.09 s"),
-    "few": (file_of(*ROWS[:5]), f"line 6: expected at least {FEWEST_ROWS} rows, got 5"),
+    "few": (file_of(*ROWS[:5]), f"line 6: expected at least {MIN_ROWS} rows, got 5"),
     "hole": (edited(9, ""), "line 9: expected no empty line but at the end, got one"),
-    "long": (edited(9, "0.07," + "1" * LONGEST_LINE), f"line 9: expected at most {LONGEST_LINE} characters, got more"),
+    "long": (
+        edited(9, "0.07," + "1" * MAX_LINE_SIZE),
+        f"line 9: expected at most {MAX_LINE_SIZE} characters, got more",
+    ),
     "short": (file_of(*ROWS, header="time,acceleration"), "as long as two fades, 1 s, got 0.19 s"),
 }
 
@@ -239,31 +243,29 @@ def same_text(one: str, other: str) -> bool:
 
 
 @pytest.mark.parametrize("what", WRONG)
-def test_each_fault_is_told_in_one_line(tmp_path: Path, what: str, in_c: Callable[..., list[str]]):
-    content, said = WRONG[what]
+def test_each_fault_gives_a_message_of_one_line(tmp_path: Path, what: str, in_c: Callable[..., list[str]]):
+    content, message = WRONG[what]
     path = tmp_path / "record.csv"
     path.write_bytes(content)
-    with pytest.raises(ParameterError, match=said) as caught:
+    with pytest.raises(ParameterError, match=message) as caught:
         load(str(path), CORNER, FADE)
     assert str(caught.value).startswith(str(path))
     assert in_c([path]) == [str(caught.value)]
 
 
-def test_files_that_cannot_be_read_are_told(tmp_path: Path, in_c: Callable[..., list[str]]):
+def test_unreadable_files_give_a_message(tmp_path: Path, in_c: Callable[..., list[str]]):
     for path in (tmp_path / "none.csv", tmp_path):
         with pytest.raises(ParameterError, match="expected a file that can be read, got none") as caught:
             read(str(path))
         assert in_c([path]) == [str(caught.value)]
 
 
-def test_a_file_that_is_too_large_is_told(tmp_path: Path, in_c: Callable[..., list[str]]):
+def test_a_file_with_too_many_rows_is_refused(tmp_path: Path, in_c: Callable[..., list[str]]):
     path = tmp_path / "large.csv"
     with path.open("w", encoding="utf-8") as stream:
         stream.write("time,displacement\n")
-        stream.writelines(f"{k},0\n" for k in range(MOST_ROWS + 1))
-    with pytest.raises(
-        ParameterError, match=rf"line {MOST_ROWS + 2}: expected at most {MOST_ROWS} rows, got more"
-    ) as e:
+        stream.writelines(f"{k},0\n" for k in range(MAX_ROWS + 1))
+    with pytest.raises(ParameterError, match=rf"line {MAX_ROWS + 2}: expected at most {MAX_ROWS} rows, got more") as e:
         read(str(path))
     assert in_c([path]) == [str(e.value)]
 
@@ -313,7 +315,7 @@ def test_c_and_python_agree_on_any_file_to_the_last_bit(tmp_path: Path, in_c: Ca
 
 
 @pytest.mark.skipif(shutil.which("localedef") is None, reason="localedef is not installed")
-def test_numbers_are_read_whatever_the_locale(
+def test_numbers_are_read_in_any_locale(
     tmp_path: Path, in_c: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch
 ):
     made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", str(tmp_path / "german.UTF-8")], check=False)
@@ -368,9 +370,10 @@ def test_a_wrong_file_discards_the_steps_of_the_python_flavour(fmus: Path, tmp_p
     assert "gap.csv, line 12: expected a step of at most 10 times the median" in str(result.error)
 
 
+@pytest.mark.builds
 @pytest.mark.parametrize("flavour", NATIVE)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
-def test_a_recordings_memory_is_freed_whatever_happens(flavour: str, tmp_path: Path):
+def test_the_memory_of_a_recording_is_always_freed(flavour: str, tmp_path: Path):
     sources = source_files(SHAKER, STANDARDS[flavour], "{token}")
     for name, content in {**sources, "example.csv": example(), "wrong.csv": b"no recording"}.items():
         (tmp_path / name).write_bytes(content)

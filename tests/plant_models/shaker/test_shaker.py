@@ -11,7 +11,7 @@ import pytest
 from fmus.component import ParameterError
 from plant_models.shaker.interface import Inputs, Outputs, Parameters, Profile, SweepMode
 from plant_models.shaker.profiles import bump, sine, sweep
-from plant_models.shaker.shaker import advance, initial, prepare
+from plant_models.shaker.shaker import advance, initialize, prepare
 
 
 def test_bump_has_its_height_in_the_middle_and_ends_at_zero():
@@ -68,7 +68,7 @@ def amplitudes(p: Parameters, name: str) -> tuple[np.ndarray, np.ndarray]:
     return t[peaks], x[peaks]
 
 
-def test_a_sweep_keeps_the_amplitude_it_is_asked_for():
+def test_a_sweep_keeps_the_amplitude_of_its_mode():
     """The acceleration up to (beta/omega)^2/2 of it, here 0.17 % at the end of the first fade."""
     _, acceleration = amplitudes(SWEEP, "floor_acceleration")
     assert np.abs(acceleration - 1.0).max() < 0.002
@@ -92,7 +92,7 @@ def test_fades_that_do_not_fit_are_refused():
 
 def test_profile_chooses_and_a_step_goes_to_its_end():
     c = prepare(Parameters(profile=Profile.sine))
-    state, outputs = initial(Inputs(), c, 0.0)
+    state, outputs = initialize(Inputs(), c, 0.0)
     assert outputs.floor_velocity == pytest.approx(0.006 * 6 * math.pi)
     assert advance(state, Inputs(), c, 0.1, 0.002)[1] == sine(0.1 + 0.002, 3.0, 0.006)
     c = prepare(SWEEP)

@@ -48,7 +48,7 @@ def test_the_published_preset_is_the_fmus_default():
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"K1": None}, "expected numbers"),
         ({"K1": [1.0]}, "expected numbers"),
@@ -58,22 +58,22 @@ def test_the_published_preset_is_the_fmus_default():
         ({"P_2": "much"}, "expected numbers"),
     ],
 )
-def test_nonsense_is_refused_with_the_files_name(tmp_path: Path, change: dict, said: str):
+def test_invalid_entries_are_refused_with_the_name_of_the_file(tmp_path: Path, change: dict, message: str):
     content = json.loads(preset("published").to_json()) | change
     path = tmp_path / "mine.json"
     path.write_text(json.dumps(content))
     with pytest.raises(GainsError, match="mine.json") as error:
         load(str(path))
-    assert said in str(error.value)
+    assert message in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("text", "said"), [("{", "expected JSON"), ("[]", "got a list"), ("{}", "expected K1, K2, lambda")]
+    ("text", "message"), [("{", "expected JSON"), ("[]", "got a list"), ("{}", "expected K1, K2, lambda")]
 )
-def test_other_files_are_refused(tmp_path: Path, text: str, said: str):
+def test_other_files_are_refused(tmp_path: Path, text: str, message: str):
     path = tmp_path / "mine.json"
     path.write_text(text)
-    with pytest.raises(GainsError, match=said):
+    with pytest.raises(GainsError, match=message):
         load(str(path))
 
 
@@ -82,7 +82,7 @@ def test_an_unknown_name_is_refused_with_the_known_ones():
         load("best")
 
 
-def test_a_setting_tells_all_that_is_wrong_with_it():
+def test_a_setting_reports_all_errors():
     with pytest.raises(GainsError) as error:
         Setting(80.0, 45.0, 1.0, 0.0, 0.02, -1.0, 400.0)
     assert str(error.value).count("expected") == 4

@@ -21,6 +21,8 @@ from studies.make_presets import published, recommended, table1_printed
 TOLERANCES = {"recommended": 1e-3, "table1-printed": 0.05}
 SOURCES = {"recommended": recommended, "table1-printed": table1_printed}
 
+pytestmark = pytest.mark.slow
+
 
 def poles(gains: Gains) -> np.ndarray:
     """Natural frequency squared and 2 zeta omega at both vertices: what the gains make of the seat."""
@@ -83,7 +85,7 @@ def test_equal_rate_observer_has_one_pole():
     assert [L / M for L, M in zip(setting.observer, setting.vertices, strict=True)] == pytest.approx([-30.0, -30.0])
 
 
-def test_requests_that_cannot_be_met_say_which_condition_fails_and_what_to_change():
+def test_infeasible_designs_name_the_failed_condition_and_a_change():
     setting = published().setting
     with pytest.raises(DesignError, match=r"expected lambda above alpha = 0.02, got 0.01.*raise lambda or lower alpha"):
         design(setting, lambda_=0.01)

@@ -154,7 +154,7 @@ def readers(built: Path, folder: Path) -> dict[str, Reader]:
             words=("run", "bump", "--fmus", str(built), "--gains", "FILE"),
         ),
         "manifest": Reader("run.json", spoiling.spoiled_json(manifest.read_bytes()), rebuild, words=("rerun", "FILE")),
-        "result": Reader("result.csv", spoiling.spoiled_csv("\n".join(rows).encode()), formats.read),
+        "result": Reader("result.csv", spoiling.spoiled_csv("\n".join(rows).encode()), formats.read_table),
         "recording": Reader(
             "floor.csv",
             st.one_of(*(spoiling.spoiled_csv(data) for data in recordings())),

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.values import KINDS
-from fmus.component import LATEST_TIME, LONGEST_STEP, SAME_TIME
+from cosim.fmi.variable_types import KINDS
+from fmus.component import MAX_STEP_SIZE, MAX_TIME, TIME_TOLERANCE
 from fmus.export.native_fmu import STANDARDS, source_files
 from seat_cosim.components import COMPONENTS
 from tests.system.hostile.caller import Library
@@ -184,8 +184,10 @@ class Twin:
 
     def is_next(self, time: float, step_size: float) -> bool:
         """Whether a step goes on where the last one ended, by a legal step size."""
-        in_time = abs(time - self.time) <= SAME_TIME * max(1.0, abs(self.time)) and 0.0 < step_size <= LONGEST_STEP
-        within = abs(time + step_size) <= LATEST_TIME
+        in_time = (
+            abs(time - self.time) <= TIME_TOLERANCE * max(1.0, abs(self.time)) and 0.0 < step_size <= MAX_STEP_SIZE
+        )
+        within = abs(time + step_size) <= MAX_TIME
         return self.phase == "stepping" and in_time and within
 
     def may_step(self, time: float, step_size: float) -> bool:

@@ -267,7 +267,9 @@ def test_what_a_description_says_is_looked_at_as_it_is_read(native: Path, tmp_pa
         ModelDescription.read(edited(native / "fmi2" / "Shaker.fmu", tmp_path / "it.fmu", (old, new)))
 
 
-@pytest.mark.parametrize("read_it", [ModelDescription.read, System.load, lambda p: formats.read(p.with_suffix(".csv"))])
+@pytest.mark.parametrize(
+    "read_it", [ModelDescription.read, System.load, lambda p: formats.read_table(p.with_suffix(".csv"))]
+)
 def test_a_name_that_no_file_can_have_is_that_of_none(read_it, tmp_path: Path):
     with pytest.raises(SetupError, match="got no such file"):
         read_it(tmp_path / ("x" * 300))
@@ -306,7 +308,7 @@ def test_a_system_names_its_file_in_each_problem(tmp_path: Path):
 def test_tables_without_rows_are_read_in_silence(tmp_path: Path, text: str):
     (tmp_path / "result.csv").write_text(text)
     try:
-        formats.read(tmp_path / "result.csv")
+        formats.read_table(tmp_path / "result.csv")
     except SetupError as error:
         assert "result.csv" in str(error)  # noqa: PT017
 
@@ -314,7 +316,7 @@ def test_tables_without_rows_are_read_in_silence(tmp_path: Path, text: str):
 def test_nothing_is_a_comment_in_a_table(tmp_path: Path):
     (tmp_path / "result.csv").write_text("time,x\n1,2#3\n")
     with pytest.raises(SetupError, match="expected a CSV table of numbers"):
-        formats.read(tmp_path / "result.csv")
+        formats.read_table(tmp_path / "result.csv")
 
 
 def test_recordings_have_steps_that_can_be_divided_by(tmp_path: Path):

@@ -33,7 +33,7 @@ from cosim.engine.session import Session
 from cosim.fmi.values import Value
 from plant_models.seat.interface import Parameters as Seat
 from seat_controller_fmu.design.gains import preset
-from seat_controller_fmu.design.sampled_loop import delay_margin, loop
+from seat_controller_fmu.design.sampled_loop import closed_loop, delay_margin
 from seat_controller_fmu.interface import Parameters as Controller
 from seat_controller_fmu.parameters import OBSERVERS
 from seat_cosim.scenarios import driver_mass, observer, seat_suspension
@@ -226,7 +226,7 @@ def searching_floor(design: Design, mass: float, delay: float, path: Path) -> di
     An acceleration of one magnitude is switched as the driver's acceleration at the end would have it; what a platform
     cannot do (below 0.3 Hz) is taken out, and the rest made as large as its limits allow.
     """
-    linear = loop(design.controller(mass), Seat(driver_mass=mass), round(delay / STEP))
+    linear = closed_loop(design.controller(mass), Seat(driver_mass=mass), round(delay / STEP))
     count = round(MOVING / STEP)
     state, answer = linear.B_floor[:, 0], np.empty(count)
     for k in range(count):

@@ -110,6 +110,7 @@ def check(p: Parameters, share: tuple[float, ...], step: float) -> None:
     assert found <= GROWTH
 
 
+@pytest.mark.slow
 @examples(120, 8_000)
 def test_the_energy_of_a_seat_left_alone_never_grows(count: int):
     for_all(count, check, p=seats, share=beginnings, step=steps)

@@ -47,7 +47,7 @@ def check(given: dict[str, float], history: list[tuple[float, float]], excess: f
         c = kernel.prepare(p)
     except ParameterError:
         return
-    state, _ = kernel.initial(Inputs(), c, 0.0)
+    state, _ = kernel.initialize(Inputs(), c, 0.0)
     for acceleration, deflection in history:
         state, outputs = kernel.step(state, Inputs(acceleration, deflection), c)
         force = outputs.force + excess

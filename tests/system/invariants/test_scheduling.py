@@ -134,7 +134,7 @@ def bound(p: Parameters, history: list[Sample], steepness: float) -> float:
 
 
 def force(c: Coefficients, history: list[Sample]) -> float:
-    state, _ = kernel.initial(Inputs(), c, 0.0)
+    state, _ = kernel.initialize(Inputs(), c, 0.0)
     for sample in history:
         state, outputs = kernel.step(state, Inputs(*sample), c)
     return outputs.force

@@ -1,0 +1,79 @@
+"""The #include graph of the C code: no cycle, and helpers do not include the models that use them."""
+
+from __future__ import annotations
+
+import re
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.paths import ROOT
+
+FOLDERS = ("fmus", "fmus/native", "plant_models", "plant_models/seat", "plant_models/shaker", "src/seat_controller_fmu")
+"""Folders of the C code; an FMU has the files of several of them in one folder."""
+
+GENERATED = {"model.h", "defaults.h"}
+"""Headers that the exporter writes."""
+
+STANDARD = re.compile(r"fmi[23]\w+\.h")
+"""Headers of the FMI standards."""
+
+HELPERS = {
+    "actuator",
+    "floor",
+    "friction",
+    "noise",
+    "platform",
+    "profiles",
+    "random_numbers",
+    "recording",
+    "replay",
+    "sensors",
+}
+MODELS = {"seat.h", "shaker.h"}
+
+FILES = sorted(path for folder in FOLDERS for suffix in ("*.c", "*.h") for path in (ROOT / folder).glob(suffix))
+
+
+def includes(path: Path) -> list[Path]:
+    """Return the files of the project that a file includes, from its own folder or the folder of shared headers."""
+    found = []
+    for name in re.findall(r'^#include "(.+)"', path.read_text(encoding="utf-8"), re.MULTILINE):
+        if name in GENERATED or STANDARD.fullmatch(name):
+            continue
+        candidates = [folder / name for folder in (path.parent, path.parent.parent, ROOT / "fmus")]
+        found.append(next(path for path in candidates if path.is_file()))
+    return found
+
+
+GRAPH = {path: includes(path) for path in FILES}
+
+
+def reachable(path: Path) -> set[Path]:
+    """Return the files that a file includes, directly or indirectly."""
+    return {path, *(file for included in GRAPH[path] for file in reachable(included))}
+
+
+def test_the_graph_has_no_cycle():
+    assert len(FILES) > 30
+    list(TopologicalSorter(GRAPH).static_order())
+
+
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem in HELPERS], ids=lambda path: path.name)
+def test_helpers_do_not_include_the_models(path: Path):
+    assert not {file.name for file in reachable(path)} & MODELS
+
+
+def test_every_helper_is_found():
+    assert {path.stem for path in FILES} >= HELPERS
+
+
+def test_packages_include_no_file_of_one_another():
+    """Models include their own package and the shared headers of fmus; the glue code includes no model by name."""
+    for path, included in GRAPH.items():
+        package = path.relative_to(ROOT).parts[0]
+        for file in included:
+            other = file.relative_to(ROOT).parts[0]
+            assert other in (package, "fmus"), f"{path.name} includes {file}"
+            assert "native" not in file.parts or "native" in path.parts, f"{path.name} includes {file}"
