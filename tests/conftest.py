@@ -25,7 +25,19 @@ from tests.helpers.driven import Driven, driven
 from tests.helpers.paths import NATIVE, ROOT
 from tests.helpers.shell import Shell
 
-BUILDING = {"fmus", "native", "foreign", "baselines", "echo", "faulty_folder", "in_c", "paths", "program", "workshop"}
+BUILDING = {
+    "baselines",
+    "echo",
+    "faulty_folder",
+    "fmus",
+    "foreign",
+    "in_c",
+    "native",
+    "paths",
+    "program",
+    "reference_fmus",
+    "workshop",
+}
 """Fixtures that build FMUs or compile C."""
 
 COMPILERS = {"cc", "clang", "gcc", "pythonfmu", "pythonfmu3", "zig", "ziglang"}

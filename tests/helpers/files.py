@@ -9,6 +9,12 @@ from pathlib import Path
 import numpy as np
 
 
+def edited_text(text: str, old: str, new: str) -> str:
+    """Replace a part of a text, which must occur."""
+    assert old in text, f"expected {old!r} in the text"
+    return text.replace(old, new)
+
+
 def edited(fmu: Path, target: Path, *replacements: tuple[str, str]) -> Path:
     """Copy an FMU with another description."""
     with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(target, "w") as copy:
@@ -17,8 +23,7 @@ def edited(fmu: Path, target: Path, *replacements: tuple[str, str]) -> Path:
             if name == "modelDescription.xml":
                 text = content.decode()
                 for old, new in replacements:
-                    assert old in text
-                    text = text.replace(old, new)
+                    text = edited_text(text, old, new)
                 content = text.encode()
             copy.writestr(name, content)
     return target

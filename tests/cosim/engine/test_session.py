@@ -16,6 +16,7 @@ from cosim import RunError, SetupError, System
 from cosim.engine.clock import Clock
 from cosim.results.result import COMPLETE, PARTIAL, StepperName
 from seat_cosim.components import COMPONENTS, EXPERIMENT
+from tests.helpers.files import edited_text
 
 H = 0.002
 LOOPS: tuple[StepperName, ...] = ("c", "python")
@@ -34,15 +35,15 @@ def faulty(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Faulty shakers, built from edited sources."""
     shaker = next(component for component in COMPONENTS if component.name == "Shaker")
     sources = builder.source_files(shaker.module, "fmus.pythonfmu.component_slave")
-    step = "    return state, _floor(state, coefficients, end)"
+    step = "    return state, _evaluate_outputs(end, state, coefficients)"
     fmus = {}
     for name, fault in FAULTS.items():
         folder = tmp_path_factory.mktemp(name)
         model, slave = (
             sources[path].read_text() for path in ("plant_models/shaker/shaker.py", "fmus/pythonfmu/component_slave.py")
         )
-        (folder / "shaker.py").write_text(model.replace(step, f"    {FAULT.format(fault)}\n{step}"))
-        (folder / "component_slave.py").write_text(slave.replace("if not math.isfinite(value)", "if False"))
+        (folder / "shaker.py").write_text(edited_text(model, step, f"    {FAULT.format(fault)}\n{step}"))
+        (folder / "component_slave.py").write_text(edited_text(slave, "if not math.isfinite(value)", "if False"))
         edited = {
             "plant_models/shaker/shaker.py": folder / "shaker.py",
             "fmus/pythonfmu/component_slave.py": folder / "component_slave.py",
