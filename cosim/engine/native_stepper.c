@@ -156,9 +156,8 @@ static bool check_exact(Schedule *schedule, const VariableAccess *access)
 {
     const int64_t exact = INT64_C(1) << 53;
     for (int64_t i = 0; i < access->count; ++i) {
-        const bool fits = access->type == uint64
-                              ? ((const uint64_t *)access->buffer)[i] <= (uint64_t)exact
-                              : magnitude_fits(((const int64_t *)access->buffer)[i], exact);
+        const bool fits = access->type == uint64 ? ((const uint64_t *)access->buffer)[i] <= (uint64_t)exact
+                                                 : magnitude_fits(((const int64_t *)access->buffer)[i], exact);
         if (!fits) {
             schedule->call.element = i;
             if (!schedule->inexact()) {

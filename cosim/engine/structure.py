@@ -253,7 +253,8 @@ class Structure(Network):
         for text in (*self.parameters, *parameters):
             with suppress(SetupError):  # of a name that does not exist: check_parameters reports it
                 ref = self.parse(text)
-                given[ref.component].add(self.elements(ref).variable)
+                variable = self.elements(ref).variable
+                given[ref.component].add(variable)
         return {
             name: resolve_unconnected(name, model, connected[name], given[name]) for name, model in self.models.items()
         }

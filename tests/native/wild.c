@@ -77,7 +77,8 @@ static void *place(Model *m, uint32_t reference, Type type, size_t *count)
     return NULL;
 }
 
-static Status get(Model *m, const uint32_t references[], size_t n, void *values, size_t size, Type type, size_t value_count)
+static Status get(Model *m, const uint32_t references[], size_t n, void *values, size_t size, Type type,
+                  size_t value_count)
 {
     const Status status = calculate(m);
     size_t done = 0;
@@ -85,7 +86,8 @@ static Status get(Model *m, const uint32_t references[], size_t n, void *values,
         size_t count;
         const void *from = place(m, references[i], type, &count);
         if (from == NULL || done + count > value_count) {
-            return report(&m->run, ERROR, "get: wrong reference %u or number of values %zu", references[i], value_count);
+            return report(&m->run, ERROR, "get: wrong reference %u or number of values %zu", references[i],
+                          value_count);
         }
         memcpy((char *)values + done * size, from, count * size);
         done += count;
@@ -101,7 +103,8 @@ static Status set(Model *m, const uint32_t references[], size_t n, const void *v
         size_t count;
         void *to = place(m, references[i], type, &count);
         if (to == NULL || done + count > value_count) {
-            return report(&m->run, ERROR, "set: wrong reference %u or number of values %zu", references[i], value_count);
+            return report(&m->run, ERROR, "set: wrong reference %u or number of values %zu", references[i],
+                          value_count);
         }
         memcpy(to, (const char *)values + done * size, count * size);
         for (size_t k = 0; type == String && k < count; ++k) { /* the host's text is gone after the call */
@@ -150,47 +153,66 @@ static Status step(Model *m, double time, double h)
 }
 
 #if FMI == 2
-#define ACCESS(name, type, kind)                                                                                       \
-    fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference r[], size_t n, type v[])                        \
-    {                                                                                                                  \
-        return get(c, r, n, v, sizeof *v, kind, n);                                                                    \
-    }                                                                                                                  \
-    fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference r[], size_t n, const type v[])                  \
-    {                                                                                                                  \
-        return set(c, r, n, v, sizeof *v, kind, n);                                                                    \
+#define ACCESS(name, type, kind)                                                                      \
+    fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference r[], size_t n, type v[])       \
+    {                                                                                                 \
+        return get(c, r, n, v, sizeof *v, kind, n);                                                   \
+    }                                                                                                 \
+    fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference r[], size_t n, const type v[]) \
+    {                                                                                                 \
+        return set(c, r, n, v, sizeof *v, kind, n);                                                   \
     }
 ACCESS(Real, fmi2Real, Real)
 ACCESS(Integer, fmi2Integer, Integer)
 ACCESS(Boolean, fmi2Boolean, Boolean)
 ACCESS(String, fmi2String, String)
 
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type t, fmi2String g, fmi2String l, const fmi2CallbackFunctions *host,
-                              fmi2Boolean visible, fmi2Boolean logging)
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type t, fmi2String g, fmi2String l,
+                              const fmi2CallbackFunctions *host, fmi2Boolean visible, fmi2Boolean logging)
 {
     (void)t, (void)g, (void)l, (void)visible, (void)logging;
     Model *m = instantiate(name);
     m->run.host = host;
     return m;
 }
-void fmi2FreeInstance(fmi2Component c) { free(c); }
-fmi2Status fmi2Reset(fmi2Component c) { return reset(c); }
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real t, fmi2Real begin, fmi2Boolean sd, fmi2Real stop)
+void fmi2FreeInstance(fmi2Component c)
+{
+    free(c);
+}
+fmi2Status fmi2Reset(fmi2Component c)
+{
+    return reset(c);
+}
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real t, fmi2Real begin, fmi2Boolean sd,
+                               fmi2Real stop)
 {
     return set_up(c, td, t, begin, sd, stop);
 }
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return enter(c); }
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return ((Model *)c)->run.initialized = true, fmi2OK; }
-fmi2Status fmi2Terminate(fmi2Component c) { return (void)c, fmi2OK; }
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean n) { return (void)n, step(c, time, h); }
+fmi2Status fmi2EnterInitializationMode(fmi2Component c)
+{
+    return enter(c);
+}
+fmi2Status fmi2ExitInitializationMode(fmi2Component c)
+{
+    return ((Model *)c)->run.initialized = true, fmi2OK;
+}
+fmi2Status fmi2Terminate(fmi2Component c)
+{
+    return (void)c, fmi2OK;
+}
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean n)
+{
+    return (void)n, step(c, time, h);
+}
 #else
-#define ACCESS(name, type, kind)                                                                                       \
-    fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference r[], size_t n, type v[], size_t nv)              \
-    {                                                                                                                  \
-        return get(c, r, n, v, sizeof *v, kind, nv);                                                                   \
-    }                                                                                                                  \
-    fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference r[], size_t n, const type v[], size_t nv)        \
-    {                                                                                                                  \
-        return set(c, r, n, v, sizeof *v, kind, nv);                                                                   \
+#define ACCESS(name, type, kind)                                                                                \
+    fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference r[], size_t n, type v[], size_t nv)       \
+    {                                                                                                           \
+        return get(c, r, n, v, sizeof *v, kind, nv);                                                            \
+    }                                                                                                           \
+    fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference r[], size_t n, const type v[], size_t nv) \
+    {                                                                                                           \
+        return set(c, r, n, v, sizeof *v, kind, nv);                                                            \
     }
 ACCESS(Float64, fmi3Float64, Real)
 ACCESS(Float32, fmi3Float32, Float32)
@@ -218,18 +240,36 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     m->run.log = log;
     return m;
 }
-void fmi3FreeInstance(fmi3Instance c) { free(c); }
-fmi3Status fmi3Reset(fmi3Instance c) { return reset(c); }
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { return ((Model *)c)->run.configuring = true, fmi3OK; }
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { return ((Model *)c)->run.configuring = false, fmi3OK; }
+void fmi3FreeInstance(fmi3Instance c)
+{
+    free(c);
+}
+fmi3Status fmi3Reset(fmi3Instance c)
+{
+    return reset(c);
+}
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance c)
+{
+    return ((Model *)c)->run.configuring = true, fmi3OK;
+}
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance c)
+{
+    return ((Model *)c)->run.configuring = false, fmi3OK;
+}
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean td, fmi3Float64 t, fmi3Float64 begin, fmi3Boolean sd,
                                        fmi3Float64 stop)
 {
     set_up(c, td, t, begin, sd, stop);
     return enter(c);
 }
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return ((Model *)c)->run.initialized = true, fmi3OK; }
-fmi3Status fmi3Terminate(fmi3Instance c) { return (void)c, fmi3OK; }
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
+{
+    return ((Model *)c)->run.initialized = true, fmi3OK;
+}
+fmi3Status fmi3Terminate(fmi3Instance c)
+{
+    return (void)c, fmi3OK;
+}
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 h, fmi3Boolean n, fmi3Boolean *event,
                       fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *reached)
 {
