@@ -13,6 +13,7 @@ from cosim.engine.network import Network, VariableRef, with_article
 from cosim.engine.step_order import Edge, propose
 from cosim.engine.unconnected_inputs import UnconnectedInputs, resolve_unconnected
 from cosim.errors import Problems, SetupError, did_you_mean
+from cosim.fmi.elements import Elements
 from cosim.fmi.values import Checked, Value
 from cosim.fmi.variable_types import KINDS, NUMERIC
 
@@ -119,7 +120,7 @@ class Structure(Network):
         ----------
         stop_time, step_size, start_time
             In s; the system's where None, else those of the FMUs' default experiments. The start time is 0 where these
-            differ.
+            differ or are not before the stop time.
 
         Raises
         ------
@@ -127,17 +128,19 @@ class Structure(Network):
             If a time is not given anywhere or makes no sense.
         """
         start_time = self.start_time if start_time is None else start_time
-        if start_time is None:
-            starts = {model.default_start_time for model in self.models.values()} - {None}
-            start_time = starts.pop() if len(starts) == 1 else 0.0
         stop_time = self.stop_time if stop_time is None else stop_time
         if stop_time is None:
             stop_time = self._default("stop time", {name: m.default_stop_time for name, m in self.models.items()})
+        if start_time is None:
+            starts = {m.default_start_time for m in self.models.values() if m.default_start_time is not None}
+            start_time = starts.pop() if len(starts) == 1 else 0.0
+            if stop_time is not None and start_time >= stop_time:
+                start_time = 0.0  # the stop time was not meant for the default experiment
         step_size = self.step_size if step_size is None else step_size
         if stop_time is None or step_size is None:
             missing = "stop time" if stop_time is None else "step size"
             raise SetupError(f"{missing}: expected one, as neither the system nor its FMUs have a default, got none")
-        return Clock.until(stop_time, step_size, start_time or 0.0)
+        return Clock.until(stop_time, step_size, start_time)
 
     def own_steps(self, clock: Clock) -> dict[str, float]:
         """Return the step sizes in s of components that do not step with the clock.
@@ -246,17 +249,19 @@ class Structure(Network):
         dict
             By component.
         """
-        connected: dict[str, set[str]] = {name: set() for name in self.models}
-        given: dict[str, set[str]] = {name: set() for name in self.models}
+        connected: dict[str, dict[str, set[int]]] = {name: {} for name in self.models}
+        given: dict[str, dict[str, set[int]]] = {name: {} for name in self.models}
         for sink in self.connections:
-            connected[sink.component].add(self.elements(sink).variable)
+            _add_places(connected[sink.component], self.elements(sink))
         for text in (*self.parameters, *parameters):
             with suppress(SetupError):  # of a name that does not exist: check_parameters reports it
                 ref = self.parse(text)
-                variable = self.elements(ref).variable
-                given[ref.component].add(variable)
+                elements = self.elements(ref)
+                _add_places(given[ref.component], elements)
+        sizes = self.sizes({})
         return {
-            name: resolve_unconnected(name, model, connected[name], given[name]) for name, model in self.models.items()
+            name: resolve_unconnected(name, model, connected[name], given[name], sizes.get(name, {}))
+            for name, model in self.models.items()
         }
 
     def notes(
@@ -368,3 +373,8 @@ class Structure(Network):
     def start(self, ref: str) -> float:
         """Return the start value of the number ``component.variable``."""
         return float(self.variable(self.parse(ref)).start)
+
+
+def _add_places(found: dict[str, set[int]], elements: Elements) -> None:
+    """Add elements to those of their variable."""
+    found.setdefault(elements.variable, set()).update(elements.places)
