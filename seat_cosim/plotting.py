@@ -39,7 +39,7 @@ _NARROW = 6.0
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve.
+    """One curve of a panel.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Axes with curves.
+    """Axes with curves and reference lines.
 
     Attributes
     ----------

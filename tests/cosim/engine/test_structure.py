@@ -41,7 +41,7 @@ def test_wrong_connections_are_refused(pair: System, source: str, sink: str, pro
     assert not pair.connections
 
 
-def test_all_problems_of_a_connection_are_told_at_once(pair: System):
+def test_all_problems_of_a_connection_are_reported_at_once(pair: System):
     with pytest.raises(SetupError) as error:
         pair.connect("shaker.bump.height", "seat.seat_acceleration")
     assert len(error.value.problems) == 3
