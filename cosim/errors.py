@@ -144,3 +144,8 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
     """
     close = get_close_matches(name, list(names), n=3, cutoff=0.5)
     return f" (did you mean {' or '.join(close)}?)" if close else ""
+
+
+def with_article(noun: str) -> str:
+    """Write a noun with its indefinite article."""
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"

@@ -9,10 +9,10 @@ from typing import Literal, get_args
 from cosim.engine.clock import Clock
 from cosim.engine.dependencies import Graph, Node, Stage, dependency_graph, loops
 from cosim.engine.names import unquoted
-from cosim.engine.network import Network, VariableRef, with_article
+from cosim.engine.network import Network, VariableRef
 from cosim.engine.step_order import Edge, propose
 from cosim.engine.unconnected_inputs import UnconnectedInputs, resolve_unconnected
-from cosim.errors import Problems, SetupError, did_you_mean
+from cosim.errors import Problems, SetupError, did_you_mean, with_article
 from cosim.fmi.elements import Elements
 from cosim.fmi.values import Checked, Value
 from cosim.fmi.variable_types import KINDS, NUMERIC
