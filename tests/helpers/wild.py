@@ -27,6 +27,9 @@ C_TYPES = {
     **{f"{sign}Int{bits}": f"{sign.lower()}int{bits}_t" for sign in ("", "U") for bits in (8, 16, 32, 64)},
     "String": "Text",
 }
+_compiled: dict[tuple[str, int], bytes] = {}
+"""Header and version to the library."""
+
 INDEPENDENT = '<Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>'
 """The variable that FMI 3 demands."""
 
@@ -133,6 +136,13 @@ class Wild:
     # ---- C -----------------------------------------------------------------------------------------------------------
 
     def _compile(self, version: int, folder: Path) -> bytes:
+        """Compile the library; FMUs that differ in their descriptions only share it."""
+        key = self._header(version), version
+        if key not in _compiled:
+            _compiled[key] = self._compiled(version, folder)
+        return _compiled[key]
+
+    def _compiled(self, version: int, folder: Path) -> bytes:
         (folder / "model.h").write_text(self._header(version))
         library = folder / f"wild{fmpy.sharedLibraryExtension}"
         stubs = str(_stubs(version, folder))
