@@ -154,7 +154,7 @@ def named_unit(name: str) -> Unit | None:
     >>> named_unit("mm")
     Unit(name='mm', exponents=(0, 1, 0, 0, 0, 0, 0, 0), factor=0.001, offset=0.0)
     """
-    if len(name) > _LONGEST_NAME:
+    if len(name) > _LONGEST_NAME or re.search(r"\s", name):  # in pint's grammar, a space is a product
         return None
     import pint
 

@@ -143,7 +143,7 @@ def test_units_known_by_name_are_converted(
     assert not [note for note in system.notes() if "unit" in note]
 
 
-@pytest.mark.parametrize(("source", "sink"), [("furlongs", "m"), ("mm", "ell"), ("a b", "c d"), ("100%", "1/2")])
+@pytest.mark.parametrize(("source", "sink"), [("zork", "m"), ("mm", "ell"), ("a b", "c d"), ("100%", "1/2")])
 def test_names_that_differ_and_are_not_known_are_reported(tmp_path: Path, source: str, sink: str):
     ends = Var("y", start="70", more=unit(source)), var_in("u", more=unit(sink))
     system = connected(pair(tmp_path, *ends))
@@ -181,7 +181,7 @@ def run(system: System, host: tuple[StepperName, bool]) -> Result:
     [
         ("Int32", "Int8", "300", "300"),
         ("Int64", "UInt8", "-1", "-1"),
-        ("UInt64", "Int64", "9223372036854775808", "9.22337203685"),
+        ("UInt64", "Int64", "9223372036854775808", "9223372036854775808"),
         ("Int16", "UInt16", "-5", "-5"),
     ],
 )
@@ -190,11 +190,11 @@ def test_a_value_out_of_the_inputs_range_ends_the_run_with_the_value(
 ):
     """From the second step on, so that the initialization is past."""
     number = f"{value}u" if source.startswith("U") else value
-    calculate = f"if (m->run.time > 0.005) m->y[0] = {number};"
+    calculate = f"if (m->run.time > 0.015) m->y[0] = {number};"
     ends = Var("y", source, start="1", variability="discrete"), var_in("u", sink, "0")
     result = run(connected(pair(tmp_path, *ends, calculate=calculate)), host)
     assert result.error is not None
-    assert "k.u" in str(result.error)
+    assert str(result.error).startswith(("k.u: expected a value in [", "s.y: expected a whole number up to 2^53"))
     assert shown in str(result.error)
     assert len(result.time) >= 1
 
