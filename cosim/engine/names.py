@@ -38,7 +38,7 @@ def split_assignment(text: str, is_name: Callable[[str], bool]) -> tuple[str, st
     Returns
     -------
     name, value : str
-        At the equals sign that follows quotes, else at the last one before which stands the name of something, else at
+        At the last equals sign before which stands the name of something, else at the one that follows quotes, else at
         the first; both empty where there is none.
 
     Examples
@@ -48,11 +48,12 @@ def split_assignment(text: str, is_name: Callable[[str], bool]) -> tuple[str, st
     >>> split_assignment('"a.x=y" = 2', lambda name: False)
     ('a.x=y', '2')
     """
+    splits = [(text[: m.start()].strip(), text[m.end() :].strip()) for m in re.finditer("=", text)]
+    if named := [split for split in splits if is_name(split[0])]:
+        return named[-1]
     if quoted := re.fullmatch(r'\s*"(?P<name>[^"]+)"\s*=(?P<value>.*)', text, re.DOTALL):
         return quoted["name"], quoted["value"].strip()
-    splits = [(text[: m.start()].strip(), text[m.end() :].strip()) for m in re.finditer("=", text)]
-    named = [split for split in splits if is_name(split[0])]
-    return named[-1] if named else splits[0] if splits else ("", "")
+    return splits[0] if splits else ("", "")
 
 
 def split_connection(text: str, is_name: Callable[[str], bool]) -> tuple[str, str]:
@@ -68,14 +69,15 @@ def split_connection(text: str, is_name: Callable[[str], bool]) -> tuple[str, st
     Returns
     -------
     source, sink : str
-        At the equals sign before quotes, else at the first one after which stands the name of something, else at the
+        At the first equals sign after which stands the name of something, else at the one before quotes, else at the
         last; both empty where there is none.
     """
+    splits = [(text[: m.start()].strip(), text[m.end() :].strip()) for m in re.finditer("=", text)]
+    if named := [split for split in splits if is_name(split[1])]:
+        return named[0]
     if quoted := re.fullmatch(r'(?P<source>.*)=\s*"(?P<sink>[^"]+)"\s*', text, re.DOTALL):
         return quoted["source"].strip(), quoted["sink"]
-    splits = [(text[: m.start()].strip(), text[m.end() :].strip()) for m in re.finditer("=", text)]
-    named = [split for split in splits if is_name(split[1])]
-    return named[0] if named else splits[-1] if splits else ("", "")
+    return splits[-1] if splits else ("", "")
 
 
 def parse_source(text: str, is_name: Callable[[str], bool]) -> tuple[str, Linear]:

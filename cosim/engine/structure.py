@@ -94,6 +94,14 @@ class Structure(Network):
     def step_size(self, seconds: float | None) -> None:
         self._step_size = seconds
 
+    @property
+    def default_start_time(self) -> float:
+        """Start time in s: as set, else that on which the default experiments of the FMUs agree, else 0."""
+        if self.start_time is not None:
+            return self.start_time
+        starts = {start for m in self.models.values() if (start := m.default_start_time) is not None}
+        return starts.pop() if len(starts) == 1 else 0.0
+
     def _default(self, what: str, values: Mapping[str, float | None]) -> float | None:
         """Return the time in s on which the default experiments of the FMUs agree.
 
@@ -126,18 +134,20 @@ class Structure(Network):
         SetupError
             If a time is not given anywhere or makes no sense.
         """
-        start_time = self.start_time if start_time is None else start_time
-        if start_time is None:
-            starts = {model.default_start_time for model in self.models.values()} - {None}
-            start_time = starts.pop() if len(starts) == 1 else 0.0
+        start_time = self.default_start_time if start_time is None else start_time
         stop_time = self.stop_time if stop_time is None else stop_time
         if stop_time is None:
             stop_time = self._default("stop time", {name: m.default_stop_time for name, m in self.models.items()})
+            if stop_time is not None and stop_time <= start_time:
+                raise SetupError(
+                    f"stop time: expected one after the start time, {start_time:g} s, got none but that of the FMUs' "
+                    f"default experiments, {stop_time:g} s"
+                )
         step_size = self.step_size if step_size is None else step_size
         if stop_time is None or step_size is None:
             missing = "stop time" if stop_time is None else "step size"
             raise SetupError(f"{missing}: expected one, as neither the system nor its FMUs have a default, got none")
-        return Clock.until(stop_time, step_size, start_time or 0.0)
+        return Clock.until(stop_time, step_size, start_time)
 
     def own_steps(self, clock: Clock) -> dict[str, float]:
         """Return the step sizes in s of components that do not step with the clock.

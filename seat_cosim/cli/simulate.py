@@ -88,14 +88,13 @@ def simulate(
     if order:
         system.order = [name.strip() for name in order.split(",")]
     system.validate(record=record or None)
+    stop = system.clock().stop_time
     if save:
         system.save(save)
     _print_exchange(system)
     folder = output or Path("results", "simulate", file.stem)
     with progress_shown(f"running {file.name}") as report:
-        options = RunOptions(
-            record=record or None, progress=lambda time: report(f"{time:.1f} of {system.stop_time:g} s"), **how
-        )
+        options = RunOptions(record=record or None, progress=lambda time: report(f"{time:.1f} of {stop:g} s"), **how)
         result = run_to_folder(system, folder, options, command=command_line())
     print_outcome(result)
     draw_system(folder / "overview.png", system, result, record)
