@@ -46,6 +46,11 @@ def rerun(manifest: Path, folder: Path, progress: Callable[[float, float], None]
     command
         The user's command line, for the new ``run.json``.
 
+    Returns
+    -------
+    Rerun
+        Both manifests, and the new result.
+
     Raises
     ------
     SetupError
@@ -127,6 +132,11 @@ def first_difference(expected: ResultTable, got: ResultTable) -> str:
     ----------
     expected, got
         The tables.
+
+    Returns
+    -------
+    str
+        Row, column and values of the first difference.
     """
     if expected.names != got.names or expected.rows.shape != got.rows.shape:
         shapes = [f"{rows} rows of {columns} columns" for rows, columns in (expected.rows.shape, got.rows.shape)]

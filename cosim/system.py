@@ -40,6 +40,11 @@ class System(Structure):
         path
             The file.
 
+        Returns
+        -------
+        System
+            The system, without any component loaded.
+
         Raises
         ------
         SetupError
@@ -123,6 +128,11 @@ class System(Structure):
         ----------
         isolate, time_limit, capture_stdout
             As of :class:`cosim.engine.session.Session`.
+
+        Returns
+        -------
+        Session
+            Loads the FMUs when it is entered, and frees them when it is left.
 
         Raises
         ------

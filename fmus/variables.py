@@ -257,7 +257,7 @@ def parameter(
     minimum: float | None = None,
     maximum: float | None = None,
 ) -> Any:
-    """Declare a parameter.
+    """Declare a parameter of a component.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class DesignRequest:
         return setting
 
     def design(self) -> Gains:
-        """Design the gains.
+        """Design the gains that the options ask for.
 
         Raises
         ------

@@ -23,7 +23,7 @@ _STRENGTH = 0.6
 
 @dataclass(frozen=True)
 class HeatMap:
-    """One heat map.
+    """One heat map of a figure.
 
     Attributes
     ----------

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cosim.results.result import Result
 from cosim.system import System
-from seat_cosim.plotting import Curve, Panel, by_unit, draw
+from seat_cosim.plotting import Curve, Panel, by_unit, draw, literal
 from seat_cosim.scenarios import OVERVIEW
 
 
@@ -49,4 +49,4 @@ def draw_system(path: Path, system: System, result: Result, names: Iterable[str]
     sources = dict.fromkeys(str(connection.source) for connection in system.connections.values())
     shown = {name: result[name] for name in (names or sources) if name in result.values}
     if shown:
-        draw(path, system.name, by_unit(result.time, shown, result.units))
+        draw(path, literal(system.name), by_unit(result.time, shown, result.units))

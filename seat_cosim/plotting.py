@@ -39,7 +39,7 @@ _NARROW = 6.0
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve.
+    """One curve of a panel.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Axes with curves.
+    """Axes with curves and reference lines.
 
     Attributes
     ----------
@@ -87,6 +87,17 @@ class Panel:
     limits: tuple[float, float] | None = None
 
 
+def literal(text: str) -> str:
+    r"""Return a text that matplotlib draws as it is: dollar signs begin no formula, an underscore hides no legend.
+
+    Examples
+    --------
+    >>> print(literal("cost_in_$"))
+    cost_in_\$
+    """
+    return (" " if text.startswith("_") else "") + text.replace("$", r"\$")
+
+
 def by_unit(
     time: np.ndarray[Any, Any],
     values: Mapping[str, np.ndarray[Any, Any]],
@@ -107,7 +118,7 @@ def by_unit(
     """
     panels: dict[str, list[Curve]] = {}
     for name, signal in values.items():
-        panels.setdefault(units[name] or "no unit", []).append(Curve(name, signal, {}))
+        panels.setdefault(literal(units[name] or "no unit"), []).append(Curve(literal(name), signal, {}))
     return [
         Panel(f"{curves[0].name}\n({unit})" if len(curves) == 1 else f"({unit})", time, curves[:most], {})
         for unit, curves in list(panels.items())[:most]

@@ -21,7 +21,7 @@ MOST_ROUNDS = 100
 """Rounds after which an iteration that still changes counts as one that does not converge."""
 
 SETTLED = 1e-12
-"""Largest change of a value, relative to its magnitude or 1, that counts as none after a few rounds."""
+"""Largest change of a value, relative to its magnitude or 1, that counts as none where it does not get smaller."""
 
 SOLVED = 1e-9
 """Largest residual of a loop that is solved for, relative to the value or 1."""
@@ -145,11 +145,11 @@ class Initialization:
             before = self._values.copy()
             self._round(time)
             changes.append(self._change(before))
-            settled = SETTLED if len(changes) > longest else 0.0
-            if changes[-1] <= settled:
-                return np.zeros(0), np.zeros(0)
             contracting = len(changes) <= 2 * longest or changes[-1] < changes[-1 - longest]
-            if not contracting or len(changes) >= max(MOST_ROUNDS, 2 * longest):
+            is_last = not contracting or len(changes) >= max(MOST_ROUNDS, 2 * longest)
+            if changes[-1] == 0.0 or (is_last and changes[-1] <= SETTLED):
+                return np.zeros(0), np.zeros(0)
+            if is_last:
                 return before, self._values.copy()
 
     def _change(self, before: np.ndarray[Any, Any]) -> float:

@@ -12,11 +12,8 @@ from cosim.errors import SetupError
 from cosim.units import IDENTITY, Linear
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_TRANSFORMED = re.compile(
-    rf"(?:(?P<factor>[-+]?{_NUMBER})\s*\*\s*)?"
-    rf'(?:"(?P<quoted>[^"]+)"|(?P<output>[^"]+?))'
-    rf"(?P<offset>\s*[-+]\s*{_NUMBER})?"
-)
+_FACTOR = re.compile(rf"(?P<factor>[-+]?{_NUMBER})\s*\*\s*(?P<rest>.+)", re.DOTALL)
+_OFFSET = re.compile(rf'(?:"(?P<quoted>[^"]+)"|(?P<output>.+?))(?P<offset>\s*[-+]\s*{_NUMBER})?', re.DOTALL)
 
 
 def unquoted(text: str) -> str:
@@ -88,7 +85,7 @@ def parse_source(text: str, is_name: Callable[[str], bool]) -> tuple[str, Linear
     text
         The output, with or without a transformation.
     is_name
-        Whether there is an output of a name: such a text holds no transformation.
+        Whether there is an output of a name: such a text holds no transformation, or a factor only.
 
     Returns
     -------
@@ -105,9 +102,12 @@ def parse_source(text: str, is_name: Callable[[str], bool]) -> tuple[str, Linear
     text = text.strip()
     if is_name(text):
         return text, IDENTITY
-    found = _TRANSFORMED.fullmatch(text)
-    if found is None:
+    factored = _FACTOR.fullmatch(text)
+    factor, rest = (factored["factor"], factored["rest"]) if factored else ("1", text)
+    if is_name(rest):
+        return rest, Linear(float(factor))
+    found = _OFFSET.fullmatch(rest)
+    name = (found["quoted"] or found["output"].strip()) if found else ""
+    if found is None or not name or ('"' in name and not is_name(name)):
         raise SetupError(f"{text!r}: expected COMPONENT.OUTPUT, or FACTOR*COMPONENT.OUTPUT+OFFSET")
-    offset = (found["offset"] or "0").replace(" ", "")
-    name = found["quoted"] or found["output"].strip()
-    return name, Linear(float(found["factor"] or 1.0), float(offset))
+    return name, Linear(float(factor), float((found["offset"] or "0").replace(" ", "")))

@@ -10,9 +10,9 @@ from typing import NamedTuple
 from fmpy.model_description import ModelVariable
 
 from cosim.engine.compatibility import Compatibility, QuantityUnit, check_types, convert_units
-from cosim.errors import SetupError, did_you_mean
+from cosim.errors import Problems, SetupError, did_you_mean, with_article
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.elements import Elements
+from cosim.fmi.elements import Elements, sizes_problems
 from cosim.fmi.values import Value
 from cosim.fmi.variable_types import KINDS
 from cosim.units import IDENTITY, Linear
@@ -322,7 +322,13 @@ class Network:
             component, name = self.parse(text)
             if component in given and name in self.models[component].structural:
                 given[component][name] = self.models[component].structural_value(component, name, value)
-        return {name: model.sizes(given.get(name, {})) for name, model in self.models.items()}
+        sizes = {name: model.sizes(given.get(name, {})) for name, model in self.models.items()}
+        problems = Problems()
+        for name in given:
+            variables = self.models[name].variables.values()
+            problems.found += [f"{name}: {problem}" for problem in sizes_problems(variables, sizes[name])]
+        problems.raise_any()
+        return sizes
 
     def conversion(self, source: VariableRef, sink: VariableRef) -> Compatibility:
         """Return the conversion between the units of two variables."""
@@ -371,8 +377,3 @@ class Network:
             if self.parse(text).component != name or self.has(self.parse(text))
         }
         return [sink for sink in affected if sink.component != name and sink not in self.connections]
-
-
-def with_article(noun: str) -> str:
-    """Write a noun with its indefinite article."""
-    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"

@@ -9,10 +9,11 @@ from typing import Literal, get_args
 from cosim.engine.clock import Clock
 from cosim.engine.dependencies import Graph, Node, Stage, dependency_graph, loops
 from cosim.engine.names import unquoted
-from cosim.engine.network import Network, VariableRef, with_article
+from cosim.engine.network import Network, VariableRef
 from cosim.engine.step_order import Edge, propose
 from cosim.engine.unconnected_inputs import UnconnectedInputs, resolve_unconnected
-from cosim.errors import Problems, SetupError, did_you_mean
+from cosim.errors import Problems, SetupError, did_you_mean, with_article
+from cosim.fmi.elements import Elements
 from cosim.fmi.values import Checked, Value
 from cosim.fmi.variable_types import KINDS, NUMERIC
 
@@ -95,11 +96,9 @@ class Structure(Network):
         self._step_size = seconds
 
     @property
-    def default_start_time(self) -> float:
-        """Start time in s: as set, else that on which the default experiments of the FMUs agree, else 0."""
-        if self.start_time is not None:
-            return self.start_time
-        starts = {start for m in self.models.values() if (start := m.default_start_time) is not None}
+    def agreed_start_time(self) -> float:
+        """Start time in s on which the default experiments of the FMUs agree; 0 where they differ or have none."""
+        starts = {m.default_start_time for m in self.models.values() if m.default_start_time is not None}
         return starts.pop() if len(starts) == 1 else 0.0
 
     def _default(self, what: str, values: Mapping[str, float | None]) -> float | None:
@@ -127,22 +126,26 @@ class Structure(Network):
         ----------
         stop_time, step_size, start_time
             In s; the system's where None, else those of the FMUs' default experiments. The start time is 0 where these
-            differ.
+            differ or are not before the stop time.
 
         Raises
         ------
         SetupError
             If a time is not given anywhere or makes no sense.
         """
-        start_time = self.default_start_time if start_time is None else start_time
+        start_time = self.start_time if start_time is None else start_time
         stop_time = self.stop_time if stop_time is None else stop_time
         if stop_time is None:
             stop_time = self._default("stop time", {name: m.default_stop_time for name, m in self.models.items()})
-            if stop_time is not None and stop_time <= start_time:
+            if stop_time is not None and start_time is not None and start_time >= stop_time:
                 raise SetupError(
                     f"stop time: expected one after the start time, {start_time:g} s, got none but that of the FMUs' "
                     f"default experiments, {stop_time:g} s"
                 )
+        if start_time is None:
+            start_time = self.agreed_start_time
+            if stop_time is not None and start_time >= stop_time:
+                start_time = 0.0  # the stop time was not meant for the default experiment
         step_size = self.step_size if step_size is None else step_size
         if stop_time is None or step_size is None:
             missing = "stop time" if stop_time is None else "step size"
@@ -256,17 +259,19 @@ class Structure(Network):
         dict
             By component.
         """
-        connected: dict[str, set[str]] = {name: set() for name in self.models}
-        given: dict[str, set[str]] = {name: set() for name in self.models}
+        connected: dict[str, dict[str, set[int]]] = {name: {} for name in self.models}
+        given: dict[str, dict[str, set[int]]] = {name: {} for name in self.models}
         for sink in self.connections:
-            connected[sink.component].add(self.elements(sink).variable)
+            _add_places(connected[sink.component], self.elements(sink))
         for text in (*self.parameters, *parameters):
             with suppress(SetupError):  # of a name that does not exist: check_parameters reports it
                 ref = self.parse(text)
-                variable = self.elements(ref).variable
-                given[ref.component].add(variable)
+                elements = self.elements(ref)
+                _add_places(given[ref.component], elements)
+        sizes = self.sizes({})
         return {
-            name: resolve_unconnected(name, model, connected[name], given[name]) for name, model in self.models.items()
+            name: resolve_unconnected(name, model, connected[name], given[name], sizes.get(name, {}))
+            for name, model in self.models.items()
         }
 
     def notes(
@@ -378,3 +383,8 @@ class Structure(Network):
     def start(self, ref: str) -> float:
         """Return the start value of the number ``component.variable``."""
         return float(self.variable(self.parse(ref)).start)
+
+
+def _add_places(found: dict[str, set[int]], elements: Elements) -> None:
+    """Add elements to those of their variable."""
+    found.setdefault(elements.variable, set()).update(elements.places)

@@ -7,11 +7,13 @@ item X for the input ``G_X``, in order of preference.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from fmpy.model_description import ModelVariable
 
+from cosim.errors import listed
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.elements import owner
 
@@ -89,7 +91,11 @@ class UnconnectedInputs:
 
 
 def resolve_unconnected(
-    name: str, model: ModelDescription, connected: Container[str], given: Container[str]
+    name: str,
+    model: ModelDescription,
+    connected: Mapping[str, set[int]],
+    given: Mapping[str, set[int]],
+    sizes: Mapping[int, int] = MappingProxyType({}),
 ) -> UnconnectedInputs:
     """Resolve the unconnected inputs of a component.
 
@@ -98,9 +104,11 @@ def resolve_unconnected(
     name, model
         The component.
     connected
-        Names of the connected inputs.
+        Names of the connected inputs, each with the places of its connected elements.
     given
-        Names of the variables that the user or the system has set.
+        Names of the variables that the user or the system has set, likewise.
+    sizes
+        Values of the structural parameters, see :meth:`ModelDescription.sizes`.
     """
     resolved = UnconnectedInputs()
     grouped: set[str] = set()
@@ -112,6 +120,13 @@ def resolve_unconnected(
         known = owner(variable) in connected or owner(variable) in given or variable.name in grouped
         if variable.causality == "input" and variable.alias is None and not known:
             resolved.notes.append(f"{name}.{variable.name}: not connected and not set, {_start(model, variable)}")
+    for input_, places in connected.items():
+        known_places = places | given.get(input_, set())
+        elements = model.elements(name, input_, sizes)
+        missing = [n for place, n in zip(elements.places, elements.names, strict=True) if place not in known_places]
+        if missing:
+            names = listed([f"{name}.{element}" for element in missing])
+            resolved.notes.append(f"{names}: not connected and not set, unlike other elements of the array")
     return resolved
 
 

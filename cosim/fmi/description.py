@@ -16,7 +16,7 @@ import fmpy
 from fmpy.model_description import ModelDescription as FmpyDescription
 from fmpy.model_description import ModelVariable
 
-from cosim.errors import SetupError, did_you_mean
+from cosim.errors import SetupError, did_you_mean, with_article
 from cosim.fmi.archive import is_file, is_unsafe_path, open_archive
 from cosim.fmi.elements import Elements, array_name, find_elements, owner, shape_of, sizes_problems
 from cosim.fmi.repairs import DESCRIPTION, repaired
@@ -393,7 +393,7 @@ class ModelDescription:
             and variable.variability != "constant"
         )
         if not settable:
-            raise SetupError(f"{where}: expected a parameter or an input, got a {variable.causality}")
+            raise SetupError(f"{where}: expected a parameter or an input, got {with_article(variable.causality)}")
         kind = KINDS[variable.type]
         if kind not in NUMERIC and (kind != "String" or elements.shape):
             what = f"array of type {variable.type}" if elements.shape else f"value of type {variable.type}"

@@ -1,7 +1,7 @@
 """Standard output while FMUs run: what they print goes to a file and becomes a warning.
 
 File descriptor 1 belongs to the whole process. While it is captured, what another thread prints is captured, too, and
-cannot be told from what an FMU prints; sessions that overlap in several threads share the newest capture.
+cannot be distinguished from what an FMU prints; sessions that overlap in several threads share the newest capture.
 """
 
 from __future__ import annotations

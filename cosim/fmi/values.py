@@ -102,8 +102,11 @@ def array_of(where: str, shape: tuple[int, ...], given: Value) -> list[Any]:
         given = [given]
     try:
         array = np.array(given, dtype=object)
-    except ValueError:  # rows of different lengths
-        raise SetupError(f"{where}: {expected}, got rows of different lengths") from None
+        ragged = any(isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) for value in array.flat)
+    except ValueError:
+        ragged = True
+    if ragged:
+        raise SetupError(f"{where}: {expected}, got rows of different lengths")
     if array.size != count or (array.ndim > 1 and array.shape != shape):
         got = " x ".join(map(str, array.shape)) if array.ndim > 1 else str(array.size)
         raise SetupError(f"{where}: {expected}, got {got}")

@@ -55,7 +55,7 @@ def check_version(document: Any) -> None:
     SetupError
         If the version is neither, or the document needs features of 2.0; names each of them.
     """
-    version = document.get("version", "none")
+    version = document.get("version") or "none"
     if version.startswith("1."):
         return
     name = etree.QName(document).localname

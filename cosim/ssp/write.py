@@ -229,8 +229,11 @@ def _connection(structure: Structure, sink: VariableRef, connection: Connection)
 def _experiment(structure: Structure) -> ssd.DefaultExperiment:
     exchange = ssd.Annotation(type=ssd.Annotation.OWN, content=ssd.Exchange(algorithm=structure.algorithm))
     step = () if structure.step_size is None else (ssd.FixedStep(base_step_size=structure.step_size),)
+    start = structure.start_time
+    if start is None and not structure.agreed_start_time:
+        start = 0.0  # that of a run; some tools expect one
     return ssd.DefaultExperiment(
-        start_time=structure.default_start_time,
+        start_time=start,
         stop_time=structure.stop_time,
         annotations=(
             *(ssd.Annotation(type=ssd.Annotation.OSP, content=ssd.OspAlgorithm(fixed_step=fixed)) for fixed in step),

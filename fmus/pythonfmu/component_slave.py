@@ -172,7 +172,7 @@ class ComponentSlave(Fmi2Slave):
         return values
 
     def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
-        """Set numbers.
+        """Set the values of real variables.
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ class ComponentSlave(Fmi2Slave):
         self._set(vrs, values, (int,))
 
     def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
-        """Set Booleans.
+        """Set the values of Boolean variables.
 
         Parameters
         ----------
@@ -208,7 +208,7 @@ class ComponentSlave(Fmi2Slave):
         self._set(vrs, values, (bool,))
 
     def set_string(self, vrs: Sequence[int], values: Sequence[str]) -> None:
-        """Set texts.
+        """Set the values of string variables.
 
         Parameters
         ----------
@@ -220,7 +220,7 @@ class ComponentSlave(Fmi2Slave):
         self._set(vrs, values, (str,))
 
     def get_real(self, vrs: Sequence[int]) -> list[float]:
-        """Get numbers.
+        """Return the values of real variables.
 
         Parameters
         ----------
@@ -250,7 +250,7 @@ class ComponentSlave(Fmi2Slave):
         return [int(value) for value in self._get(vrs, (int,), 0)]
 
     def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
-        """Get Booleans.
+        """Return the values of Boolean variables.
 
         Parameters
         ----------
@@ -265,7 +265,7 @@ class ComponentSlave(Fmi2Slave):
         return self._get(vrs, (bool,), False)
 
     def get_string(self, vrs: Sequence[int]) -> list[str]:
-        """Get texts.
+        """Return the values of string variables.
 
         Parameters
         ----------
@@ -306,7 +306,7 @@ class ComponentSlave(Fmi2Slave):
             self._fault("time", f"start time: expected at most {MAX_TIME:g} s either way, got {start_time} s")
 
     def enter_initialization_mode(self) -> None:
-        """Enter the initialisation."""
+        """Enter the initialization mode of FMI."""
         self._change_phase("instantiated", "initializing")
 
     def exit_initialization_mode(self) -> None:
@@ -317,7 +317,7 @@ class ComponentSlave(Fmi2Slave):
             self._change_phase("initializing", "stepping")
 
     def terminate(self) -> None:
-        """End the run."""
+        """End the run; the outputs keep their values."""
         self._change_phase("stepping", "terminated")
 
     def _change_phase(self, before: str, after: str) -> None:

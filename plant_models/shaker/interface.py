@@ -15,7 +15,7 @@ from plant_models.shaker.example_recording import EXAMPLE
 
 
 class Profile(IntEnum):
-    """Excitation profiles."""
+    """Excitation profiles of the shaker."""
 
     bump = 1
     sine = 2

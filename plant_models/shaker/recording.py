@@ -164,7 +164,7 @@ def _check_rows(reader: _Reader, times: list[float]) -> None:
 
 
 def read(path: str) -> Samples:
-    """Read a recording.
+    """Read a recording from a file.
 
     Parameters
     ----------

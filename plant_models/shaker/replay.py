@@ -177,7 +177,7 @@ def load(path: str, high_pass: float, fade: float) -> Spline:
 
 
 def motion(spline: Spline, time: float) -> Outputs:
-    """Evaluate the motion.
+    """Evaluate the motion of a recording.
 
     Parameters
     ----------

@@ -11,10 +11,13 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from cosim.results.result import Result
 
-console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+_PLAIN = {"highlight": False, "markup": False, "emoji": False}
+"""Texts are shown as they are: names of variables and messages of FMUs may have brackets and colons."""
+
+console = Console(width=None if sys.stdout.isatty() else 120, **_PLAIN)  # type: ignore[arg-type]
 """Console of a command's output."""
 
-stderr = Console(stderr=True, highlight=False)
+stderr = Console(stderr=True, **_PLAIN)  # type: ignore[arg-type]
 """Console of warnings and progress."""
 
 
@@ -32,7 +35,7 @@ def progress_shown(task: str) -> Iterator[Callable[[str], None]]:
     Callable
         Function that shows a text behind the task's name.
     """
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     with Progress(*columns, console=stderr, transient=True, disable=not stderr.is_terminal) as progress:
         number = progress.add_task(task, total=None)
         yield lambda text: progress.update(number, description=f"{task}: {text}")
@@ -46,7 +49,7 @@ def command_line() -> list[str]:
 def print_warnings(texts: Iterable[str]) -> None:
     """Print warnings, a line each."""
     for text in texts:
-        stderr.print(f"warning: {text}", markup=False, soft_wrap=True)
+        stderr.print(f"warning: {text}", soft_wrap=True)
 
 
 def print_outcome(result: Result) -> None:

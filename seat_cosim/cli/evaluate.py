@@ -131,7 +131,7 @@ def evaluate(
     print_warnings(evaluations[0].warnings)
     console.print(f"{verdict(evaluations[0])}.")
     for note in notes:
-        console.print(f"- {note}", markup=False)
+        console.print(f"- {note}")
     console.print(f"{', '.join(path.name for path in files)} in {folder}", soft_wrap=True)
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable, Iterable
 from functools import reduce
 from typing import Any, TypeVar
 
 import click
 
+from cosim.engine.names import split_assignment
+from cosim.engine.structure import Structure
 from cosim.errors import SetupError
 from cosim.fmi.isolated import TIME_LIMIT
 from cosim.results.formats import FORMATS
@@ -57,8 +60,10 @@ def run_options(command: Command) -> Command:
     return reduce(lambda decorated, option: option(decorated), reversed(_RUN_OPTIONS), command)
 
 
-def assignments(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
-    """Read arguments of the form ``NAME=VALUE``.
+def assignments(
+    option: str, texts: Iterable[str], form: str, is_name: Callable[[str], bool] = lambda name: False
+) -> dict[str, str]:
+    """Read arguments of the form ``NAME=VALUE``; a name in double quotes may have any characters.
 
     Parameters
     ----------
@@ -68,6 +73,8 @@ def assignments(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
         Its arguments.
     form
         Their form, for the message.
+    is_name
+        Whether there is something of a name, which may have equals signs.
 
     Returns
     -------
@@ -86,21 +93,46 @@ def assignments(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for text in texts:
-        name, _, value = (part.strip() for part in text.partition("="))
+        name, value = split_assignment(text, is_name)
         if not (name and value):
             raise SetupError(f"{option} {text}: expected {form}")
         found[name] = value
     return found
 
 
-def settings(texts: Iterable[str]) -> dict[str, str]:
-    """Read arguments of ``--set``; returns ``component.variable`` to value."""
-    return assignments("--set", texts, "COMPONENT.VARIABLE=VALUE")
+def settings(texts: Iterable[str], system: Structure) -> dict[str, str]:
+    """Read arguments of ``--set``.
+
+    Parameters
+    ----------
+    texts
+        The arguments.
+    system
+        System whose parameters they set.
+
+    Returns
+    -------
+    dict
+        ``component.variable`` to value.
+    """
+    return assignments("--set", texts, "COMPONENT.VARIABLE=VALUE", system.has)
 
 
 def replacements(texts: Iterable[str]) -> dict[str, str]:
     """Read arguments of ``--replace``; returns component to file."""
     return assignments("--replace", texts, "COMPONENT=FILE.fmu")
+
+
+def names(text: str) -> list[str]:
+    """Read an argument that lists names with commas between; a name in double quotes may have commas.
+
+    Examples
+    --------
+    >>> names('shaker, "seat, left"')
+    ['shaker', 'seat, left']
+    """
+    (row,) = csv.reader([text], skipinitialspace=True)
+    return [name.strip() for name in row]
 
 
 def seconds(option: str, texts: Iterable[str]) -> dict[str, float]:

@@ -105,4 +105,4 @@ def _print_bump(results: Mapping[str, Result], cases: Mapping[str, Case], force_
         table.add_row(measure.title, measure.unit, *values, measure.paper)
     console.print(table)
     for note in NOTES:
-        console.print(f"- {note}", markup=False)
+        console.print(f"- {note}")

@@ -47,7 +47,7 @@ def _print_versions(first: Manifest, again: Manifest) -> None:
     """Print the versions that are not those of the first run."""
     for name, version in first.versions.items():
         if again.versions.get(name) != version:
-            stderr.print(f"note: {name} {again.versions.get(name)}, {version} in the first run", markup=False)
+            stderr.print(f"note: {name} {again.versions.get(name)}, {version} in the first run")
 
 
 def _print_comparison(found: repetition.Rerun, before: Path, folder: Path) -> None:
@@ -55,7 +55,7 @@ def _print_comparison(found: repetition.Rerun, before: Path, folder: Path) -> No
     problems = []
     for file in repetition.compare(found, before, folder):
         if file.is_changed:
-            stderr.print(f"warning: {file.old} is not what the first run left", markup=False, soft_wrap=True)
+            stderr.print(f"warning: {file.old} is not what the first run left", soft_wrap=True)
         if file.problem:
             problems.append(file.problem)
         else:

@@ -123,7 +123,7 @@ class SeatOptions:
             found |= scenarios.read_parameter_sets(["passive"], system)
         if self.driver_mass is not None:
             found |= scenarios.driver_mass(self.driver_mass)
-        found |= settings(self.settings)
+        found |= settings(self.settings, system)
         return found
 
     @property

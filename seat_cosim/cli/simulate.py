@@ -17,6 +17,7 @@ from cosim.run_folder import run_to_folder
 from cosim.system import System
 from seat_cosim.cli.console import command_line, console, print_outcome, progress_shown
 from seat_cosim.cli.options import (
+    names,
     parameters_option,
     replace_option,
     replacements,
@@ -40,9 +41,11 @@ from seat_cosim.scenarios import read_parameter_sets
 @click.option("--disconnect", multiple=True, metavar="B.y", help="Free input B.y.")
 @parameters_option
 @set_option
+@click.option("--start-time", type=float, metavar="S", help="[default: the system's, else the FMUs', else 0]")
 @click.option("--stop-time", type=float, metavar="S", help="[default: the system's]")
 @click.option("--step-size", type=float, metavar="S", help="Communication step [default: the system's]")
 @click.option("--component-step", multiple=True, metavar="COMPONENT=S", help="A component's own step; repeatable.")
+@click.option("--tolerance", type=float, metavar="X", help="Relative tolerance [default: each FMU's own]")
 @click.option("--algorithm", type=click.Choice(ALGORITHMS), help="[default: the system's, else gauss-seidel]")
 @click.option("--order", metavar="A,B,C", help="In which components step [default: the system's, else a proposal]")
 @click.option("--record", multiple=True, metavar="A.x", help="Record this output [default: all]; repeatable.")
@@ -56,9 +59,11 @@ def simulate(
     disconnect: tuple[str, ...],
     parameter_files: tuple[str, ...],
     settings: tuple[str, ...],
+    start_time: float | None,
     stop_time: float | None,
     step_size: float | None,
     component_step: tuple[str, ...],
+    tolerance: float | None,
     algorithm: Algorithm | None,
     order: str | None,
     record: tuple[str, ...],
@@ -80,21 +85,27 @@ def simulate(
 
     system = System.load(file)
     edit(system, replacements(replace), disconnect, connect)
-    system.parameters |= read_parameter_sets(parameter_files, system) | read_settings(settings)
+    system.parameters |= read_parameter_sets(parameter_files, system) | read_settings(settings, system)
+    system.start_time = system.start_time if start_time is None else start_time
     system.stop_time = system.stop_time if stop_time is None else stop_time
     system.step_size = system.step_size if step_size is None else step_size
     system.component_steps |= seconds("--component-step", component_step)
     system.algorithm = algorithm or system.algorithm
     if order:
-        system.order = [name.strip() for name in order.split(",")]
-    system.validate(record=record or None)
-    stop = system.clock().stop_time
+        system.order = names(order)
+    system.validate(record=record or None, tolerance=tolerance)
+    end = system.clock().stop_time
     if save:
         system.save(save)
     _print_exchange(system)
     folder = output or Path("results", "simulate", file.stem)
     with progress_shown(f"running {file.name}") as report:
-        options = RunOptions(record=record or None, progress=lambda time: report(f"{time:.1f} of {stop:g} s"), **how)
+        options = RunOptions(
+            record=record or None,
+            tolerance=tolerance,
+            progress=lambda time: report(f"{time:.1f} of {end:g} s"),
+            **how,
+        )
         result = run_to_folder(system, folder, options, command=command_line())
     print_outcome(result)
     draw_system(folder / "overview.png", system, result, record)

@@ -104,7 +104,7 @@ def _print_summary(found: list[ValidationReport], target: str | None) -> None:
         except OSError as error:
             raise SetupError(f"--json {target}: expected a file to write to, got: {error.strerror}") from error
     for one in found:
-        console.print(report.summary(one), soft_wrap=True, markup=False)
+        console.print(report.summary(one), soft_wrap=True)
 
 
 def _rules() -> Table:

@@ -37,12 +37,12 @@ class RideResult:
 
     @property
     def seat_rms(self) -> float:
-        """SEAT by a_w."""
+        """SEAT value by the weighted RMS a_w."""
         return seat_factor(self.seat, self.floor).rms
 
     @property
     def seat_vdv(self) -> float:
-        """SEAT by VDV."""
+        """SEAT value by the vibration dose value VDV."""
         return seat_factor(self.seat, self.floor).vdv
 
 

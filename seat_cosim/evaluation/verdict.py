@@ -13,7 +13,15 @@ _MOST_NAMED = 6
 
 
 def exceeds_limit(excitation_class: str, result: DriverClassResult) -> bool:
-    """Return whether a result's SEAT is above the limit of its class; False for a class without a limit."""
+    """Return whether a result's SEAT is above the limit of its class; False for a class without a limit.
+
+    Parameters
+    ----------
+    excitation_class
+        Class of ISO 7096, ``EM1`` to ``EM9``.
+    result
+        Result of that class.
+    """
     limit = seat_limit(excitation_class)
     return limit is not None and result.seat > limit
 

@@ -29,7 +29,7 @@ EXPERIMENTS: dict[str, Callable[[ExperimentRunner], Iterator[Finding]]] = {
 
 
 def findings(runner: ExperimentRunner) -> list[Finding]:
-    """Run all experiments.
+    """Run all experiments of the paper.
 
     Parameters
     ----------

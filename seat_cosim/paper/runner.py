@@ -103,7 +103,7 @@ class ExperimentRunner:
         mass: float = LIGHT,
         record: Sequence[str] | None = None,
     ) -> Result:
-        """Run the system.
+        """Run the system with some parameters.
 
         Parameters
         ----------
@@ -192,7 +192,13 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 
 def change(value: float, reference: float) -> float:
-    """Return the relative difference of a value from a reference, in %."""
+    """Return the relative difference of a value from a reference, in %.
+
+    Parameters
+    ----------
+    value, reference
+        Numbers of one unit.
+    """
     return 100.0 * (value / reference - 1.0)
 
 

@@ -183,7 +183,7 @@ def prepare(parameters: Parameters) -> Coefficients:
 
 
 def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[State, Outputs]:
-    """Take one sample.
+    """Take one sample of the inputs and hold the outputs.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ class Driven:
         self._real, self._state = ("Float64", "State") if three else ("Real", "state")
 
     def begin(self, **parameters: float) -> None:
-        """Start anew; an underscore that follows another is a point."""
+        """Restart; an underscore that follows another is a point."""
         values = {name.replace("__", "."): value for name, value in parameters.items()}
         self._instance.enter_initialization(Experiment(0.0, 1000.0), values)
         self._instance.exit_initialization()

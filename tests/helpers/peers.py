@@ -1,7 +1,7 @@
 """Other masters that read SSP files, each run in a process of its own: they print, and keep what they loaded.
 
-libcosim takes the step from the file; the others are told it. All exchange all values at once, after every step, but
-for the container that is told to be sequential.
+libcosim takes the step from the file, the others as an argument. All but the sequential container exchange all values
+at once, after every step.
 """
 
 from __future__ import annotations

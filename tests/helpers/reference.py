@@ -56,7 +56,7 @@ def sine(frequency: float = 3.0, amplitude: float = 0.006) -> Floor:
 
 
 def bouc_wen_rate(v: float, z: float) -> float:
-    """(36) with its erratum mended."""
+    """(36) with its erratum corrected."""
     return 6.9321 * v - 2.1617e8 * abs(v) * abs(z) * z + 9.8889e7 * v * z * z
 
 

@@ -48,18 +48,18 @@ class Soak(NamedTuple):
         """Largest difference in s of a row's time and its number's multiple of the step size."""
         return float(np.abs(self.result.time - np.arange(len(self.result.time)) * EVERY * STEP_SIZE).max())
 
-    def step_costs(self, stretch: float) -> Array:
-        """CPU time of a step in us, over each stretch of so many simulated s."""
-        ends = np.arange(0.0, self.times[-1] + 0.5 * stretch, stretch)
-        return np.diff(np.interp(ends, self.times, self.cpu)) / stretch * STEP_SIZE * 1e6
+    def step_costs(self, span: float) -> Array:
+        """CPU time of a step in us, over each span of so many simulated s."""
+        ends = np.arange(0.0, self.times[-1] + 0.5 * span, span)
+        return np.diff(np.interp(ends, self.times, self.cpu)) / span * STEP_SIZE * 1e6
 
-    def rms(self, signal: str, stretch: float) -> Array:
-        """Root mean square of a recorded signal over each stretch of so many s."""
-        rows = round(stretch / (EVERY * STEP_SIZE))
+    def rms(self, signal: str, span: float) -> Array:
+        """Root mean square of a recorded signal over each span of so many s."""
+        rows = round(span / (EVERY * STEP_SIZE))
         values = self.result[signal]
         return np.sqrt(np.mean(values[: len(values) // rows * rows].reshape(-1, rows) ** 2, axis=1))
 
-    def predicted_scatter(self, signal: str, stretch: float) -> float:
+    def predicted_scatter(self, signal: str, span: float) -> float:
         """Relative standard deviation of such a root mean square of Gaussian noise with the signal's spectrum.
 
         1/(2 sqrt(B T)), B = (int G)^2 / int G^2 being the bandwidth of the recorded samples; the square of the
@@ -69,7 +69,7 @@ class Soak(NamedTuple):
         periodogram = np.abs(np.fft.rfft(values)[1:]) ** 2
         resolution = 1.0 / (len(values) * EVERY * STEP_SIZE)
         bandwidth = resolution * periodogram.sum() ** 2 / (0.5 * np.sum(periodogram**2))
-        return float(0.5 / np.sqrt(bandwidth * stretch))
+        return float(0.5 / np.sqrt(bandwidth * span))
 
 
 def resident() -> int:

@@ -6,7 +6,6 @@ The lines see the instance as ``m``: variables as arrays by their names (``m->y[
 from __future__ import annotations
 
 import re
-import subprocess
 import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -18,7 +17,7 @@ import fmpy
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
-from tests.helpers.faulty import HEADERS, compiler
+from tests.helpers.faulty import compile_library, library_member
 from tests.helpers.paths import SOURCES
 
 C_TYPES = {
@@ -118,10 +117,9 @@ class Wild:
 
     def build(self, path: Path, version: int = 2) -> Path:
         """Write the FMU for a major version of FMI."""
-        platform = fmpy.platform if version == 2 else fmpy.platform_tuple
         members = {
             "modelDescription.xml": self.description(version).encode(),
-            f"binaries/{platform}/wild{fmpy.sharedLibraryExtension}": self._compile(version, path.parent),
+            library_member("wild", version): self._compile(version, path.parent),
             **self.extra,
         }
         with zipfile.ZipFile(path, "w") as archive:
@@ -134,10 +132,8 @@ class Wild:
     def _compile(self, version: int, folder: Path) -> bytes:
         (folder / "model.h").write_text(self._header(version))
         library = folder / f"wild{fmpy.sharedLibraryExtension}"
-        options = ["-std=gnu11", "-O0", "-g0", "-w", "-shared", "-fPIC", f"-DFMI={version}"]
-        options += [f"-I{HEADERS}", f"-I{folder}"]
-        sources = [SOURCES / "wild.c", _stubs(version, folder)]
-        subprocess.run([*compiler(), *options, *sources, "-o", library, "-lm"], check=True)
+        stubs = str(_stubs(version, folder))
+        compile_library(SOURCES / "wild.c", library, "-O0", "-w", f"-DFMI={version}", f"-I{folder}", stubs)
         return library.read_bytes()
 
     def _header(self, version: int) -> str:

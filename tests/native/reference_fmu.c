@@ -1,5 +1,5 @@
 /* FMUs in the manner of the public reference models, FMI 2 or 3 (-DFMI=): a linear test equation with a fixed internal
-   step, a feedthrough of all types, a stair that asks for the end of the run. All are in one library and told apart by
+   step, a feedthrough of all types, a stair that asks for the end of the run. All are in one library and distinguished by
    their token; all variables are there in all of them, and the descriptions show those of the model.
 
    One fault at most is built in, named in the text after FAULT= below, which the tests overwrite in the library. */

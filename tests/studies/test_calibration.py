@@ -153,7 +153,7 @@ def test_parameters_come_by_name_or_file_and_set_wins(shell: Shell, tmp_path: Pa
     assert (code, err) == (2, "seat-cosim: error: passiv: expected a parameter set (.ssv), got no such file\n")
 
 
-def test_an_unknown_set_is_told():
+def test_an_unknown_set_is_reported():
     with pytest.raises(ValueError, match="expected one of load, passive, prototype, ride, got mine"):
         path("mine")
 

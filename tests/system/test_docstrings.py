@@ -41,13 +41,13 @@ class Level:
 
 
 LEVELS = {
-    "cosim": Level(short=0, unnamed=0, parameters=0.97, results=0.98),
+    "cosim": Level(short=0, unnamed=0, parameters=0.97, results=1.0),
     "cosim.engine": Level(short=5, unnamed=7, parameters=0.68, results=0.56),
     "cosim.fmi": Level(short=4, unnamed=7, parameters=0.74, results=0.87),
-    "fmus": Level(short=4, unnamed=15, parameters=0.45, results=0.29),
-    "plant_models": Level(short=4, unnamed=13, parameters=0.48, results=0.57),
-    "seat_controller_fmu": Level(short=6, unnamed=15, parameters=0.32, results=0.46),
-    "seat_cosim": Level(short=5, unnamed=16, parameters=0.30, results=0.35),
+    "fmus": Level(short=0, unnamed=0, parameters=0.96, results=1.0),
+    "plant_models": Level(short=0, unnamed=0, parameters=0.95, results=1.0),
+    "seat_controller_fmu": Level(short=0, unnamed=0, parameters=1.0, results=1.0),
+    "seat_cosim": Level(short=0, unnamed=0, parameters=0.76, results=0.65),
 }
 """Package, without the inner packages that are named as well, to its level."""
 

@@ -21,7 +21,7 @@ LATE = 0.25
 @pytest.mark.parametrize("stop_time", [0.5 * HOUR, pytest.param(24.0 * HOUR, marks=pytest.mark.long)])
 def test_a_long_run_is_at_its_end_what_it_was_at_its_begin(native: Path, tmp_path: Path, stop_time: float):
     found = soak(native / "fmi2", stop_time, tmp_path)
-    stretch = stop_time / PARTS
+    span = stop_time / PARTS
 
     # time: an integer times the step size, without error
     assert found.result.complete
@@ -35,15 +35,15 @@ def test_a_long_run_is_at_its_end_what_it_was_at_its_begin(native: Path, tmp_pat
 
     # statistics: the variance of 12 root mean squares over the predicted one is chi-squared with 11 degrees
     for name in WATCHED:
-        values = found.rms(name, stretch)
-        ratio = (values.std(ddof=1) / values.mean() / found.predicted_scatter(name, stretch)) ** 2
+        values = found.rms(name, span)
+        ratio = (values.std(ddof=1) / values.mean() / found.predicted_scatter(name, span)) ** 2
         assert (PARTS - 1) * ratio < chi2.isf(1e-4, PARTS - 1)
-    floor = found.rms("shaker.floor_acceleration", stretch)  # Gaussian: its scatter is not smaller either
-    ratio = (floor.std(ddof=1) / floor.mean() / found.predicted_scatter("shaker.floor_acceleration", stretch)) ** 2
+    floor = found.rms("shaker.floor_acceleration", span)  # Gaussian: its scatter is not smaller either
+    ratio = (floor.std(ddof=1) / floor.mean() / found.predicted_scatter("shaker.floor_acceleration", span)) ** 2
     assert (PARTS - 1) * ratio > chi2.ppf(1e-4, PARTS - 1)
 
     # cost: printed, not judged; machines are shared
-    costs = found.step_costs(stretch)
+    costs = found.step_costs(span)
     print(f"CPU time of a step: first {costs[0]:.3f} us, last {costs[-1]:.3f} us, median {np.median(costs):.3f} us")
     assert (np.diff(found.cpu) >= 0.0).all()
 

@@ -51,7 +51,7 @@ class Gains:
 
     @property
     def feedback(self) -> tuple[Pair, Pair]:
-        """K_1 and K_2."""
+        """Gains K_1 and K_2 of the state feedback."""
         return self.K1, self.K2
 
     def parameters(self) -> dict[str, float]:

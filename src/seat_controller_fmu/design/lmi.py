@@ -71,7 +71,7 @@ def vertex(setting: Setting, mass: float) -> Vertex:
 def inequality(
     setting: Setting, i: int, j: int, Q: Any, R: Sequence[Any], lambda_squared: Any, block: Callable[..., Any]
 ) -> Any:
-    """Assemble Xi_ij (30).
+    """Assemble the matrix Xi_ij of (30).
 
     Parameters
     ----------

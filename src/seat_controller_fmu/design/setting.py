@@ -70,7 +70,7 @@ class Setting:
 
     @property
     def stiffness(self) -> float:
-        """k_f in N/m."""
+        """Stiffness k_f of the suspension in N/m."""
         return SUSPENSION_STIFFNESS.value
 
     @property

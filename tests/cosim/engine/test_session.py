@@ -187,7 +187,7 @@ def test_impossible_times_are_refused_before_anything_is_loaded(system: System, 
     assert left_behind() == before
 
 
-def test_all_problems_are_told_at_once(system: System):
+def test_all_problems_are_reported_at_once(system: System):
     with pytest.raises(SetupError) as error:
         system.simulate(1.0, 0.0, {"seat.driver_mass": -1.0}, record=["nothing"])
     assert len(error.value.problems) == 3

@@ -1,4 +1,4 @@
-"""Inputs that nothing feeds: derived where a component can, told where it cannot."""
+"""Unconnected inputs: derived where a component can, reported where it cannot."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_a_floor_with_all_signals_needs_no_choice(pair: System):
 
 
 @pytest.mark.parametrize(("number", "signal"), list(enumerate(FLOOR, start=2)))
-def test_one_signal_is_chosen_and_told(pair: System, number: int, signal: str):
+def test_one_signal_is_chosen_and_reported(pair: System, number: int, signal: str):
     connect(pair, signal)
     assert pair.check_parameters({})["seat"] == {"floor_signals": float(number)}
     assert pair.notes()[0].startswith(f"seat.floor_signals: set to {signal}, as not all of its inputs are connected")
@@ -68,6 +68,6 @@ def test_the_users_choice_stays(pair: System):
     assert pair.check_parameters({"seat.floor_signals": "all"})["seat"] == {"floor_signals": 1.0}
 
 
-def test_an_input_that_is_set_is_not_told(pair: System):
+def test_an_input_that_is_set_is_not_reported(pair: System):
     connect(pair, *FLOOR)
     assert pair.notes({"seat.force": 10.0}) == []

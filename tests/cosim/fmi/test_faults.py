@@ -45,7 +45,7 @@ def faulty_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The file into which the FMUs write what they are told to do."""
+    """The file into which the FMUs write the calls they get."""
     path = tmp_path / "trace"
     monkeypatch.setenv("FAULTY_TRACE", str(path))
     path.touch()
@@ -104,7 +104,7 @@ def nothing_left(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.M
 
 
 def calls(trace: Path, component: str) -> list[str]:
-    """What a component was told to do."""
+    """The calls that a component got."""
     return [line.split()[1] for line in trace.read_text().splitlines() if line.split()[0] == component]
 
 
@@ -217,7 +217,7 @@ def test_a_warning_of_an_isolated_fmu_is_reported_likewise(build: Build, fmi: in
         assert (result.complete, result.warnings) == (True, [f"cab: {said} (fmi{fmi}DoStep, t = 0.1 s)"])
 
 
-def test_the_first_failure_is_the_one_that_is_told(build: Build, faulty_folder: Path):
+def test_the_first_failure_is_reported(build: Build, faulty_folder: Path):
     system = build("error")
     system.add("sore", faulty_fmu(faulty_folder, "error", "terminate"))
     assert "cab: fmi2DoStep failed" in str(run(system).error)
@@ -403,9 +403,9 @@ def test_ctrl_c_in_any_other_call_frees_everything(build: Build, trace: Path, wh
     with pytest.raises(KeyboardInterrupt):
         run(build("interrupts", where))
     for name in ("first", "cab", "last"):
-        told = calls(trace, name)
-        assert told.count("instantiate") == told.count("free")
-        assert told.count("exit") == told.count("terminate")
+        found = calls(trace, name)
+        assert found.count("instantiate") == found.count("free")
+        assert found.count("exit") == found.count("terminate")
 
 
 def test_ctrl_c_does_not_wait_for_an_isolated_fmu_that_hangs(build: Build, trace: Path):
@@ -664,7 +664,7 @@ def test_bombs_are_refused_and_large_tables_are_not(tmp_path: Path, monkeypatch:
         assert opened.read("table.csv") == table
 
 
-def test_the_problems_of_an_archive_are_told_together_but_not_all(tmp_path: Path):
+def test_the_problems_of_an_archive_are_reported_together_but_not_all(tmp_path: Path):
     path = archive(tmp_path / "bad.fmu", *((f"../{i}", b"") for i in range(20)))
     with pytest.raises(SetupError) as error:
         System().add("bad", path)

@@ -636,7 +636,7 @@ WRONG = {
     ),
     "parameter that is none": (
         bound("seat_acceleration"),
-        "seat.seat_acceleration: expected a parameter or an input, got a output",
+        "seat.seat_acceleration: expected a parameter or an input, got an output",
     ),
     "a system's output": (
         with_system(

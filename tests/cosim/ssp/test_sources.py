@@ -12,6 +12,8 @@ from cosim import SetupError, System
 from cosim.ssp.package import DESCRIPTION
 from tests.helpers.ssd_text import NAMESPACES, component, document, load, parameter_set, value
 
+pytestmark = pytest.mark.builds
+
 INSIDE = [
     "resources/My Gain.fmu",
     "resources/My%20Gain.fmu",

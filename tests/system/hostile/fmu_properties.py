@@ -1,4 +1,4 @@
-"""What has to hold of an FMU whatever it is told: the properties that hypothesis and the longer run try to break."""
+"""Properties of an FMU that hold for any calls and values; hypothesis and the longer run try to break them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, initialize, invariant, rule
 
 from tests.system.hostile.caller import DISCARD, ERROR, FATAL, OK, Answer, Caller
-from tests.system.hostile.subjects import Settable, Subject, Twin
+from tests.system.hostile.extracted_fmus import ExtractedFmu, Settable, Twin
 
 _MAGNITUDES = (0.0, 5e-324, 2.2250738585072014e-308, 1e-100, 1e-30, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 60.0, 1e3, 1e6, 1e9)
 _MAGNITUDES += (1e12, 1e30, 1e100, 1e160, 1.7976931348623157e308, math.inf, math.nan)
@@ -75,12 +75,12 @@ class Checked:
         From any call that does not come out as it should.
     """
 
-    def __init__(self, caller: Caller, subject: Subject) -> None:
+    def __init__(self, caller: Caller, fmu: ExtractedFmu) -> None:
         self.caller = caller
-        self.subject = subject
-        self.twin = Twin(subject)
+        self.fmu = fmu
+        self.twin = Twin(fmu)
         self.stained = False  # a Python instance that refused a value discards its next step
-        answer = caller.make(b"it", subject.library.token.encode())
+        answer = caller.make(b"it", fmu.library.token.encode())
         assert answer.status == OK, answer
 
     def free(self) -> None:
@@ -97,7 +97,7 @@ class Checked:
         answer = call()
         assert all(word in answer.text for word in words), (words, answer, self.twin)
         assert answer.text, (answer, self.twin)
-        if self.subject.is_native:
+        if self.fmu.is_native:
             assert answer.status == ERROR, (answer, self.twin)
             assert self.saved() == before, (answer, self.twin)
         else:  # what a Python instance cannot say itself, as pythonfmu knows no such status there, its next step says
@@ -114,12 +114,12 @@ class Checked:
     def expect_values(self) -> None:
         """Check that all parameters and inputs are those of the twin, and every output is a finite number."""
         for kind in ("Real", "Integer", "Boolean", "String"):
-            wanted = [v for v in self.subject.settable if v.kind == kind]
+            wanted = [v for v in self.fmu.settable if v.kind == kind]
             answer = self.caller.get(kind, [v.reference for v in wanted])
             assert answer.ok, answer
             for variable, got in zip(wanted, answer.value, strict=True):
                 assert _same(got, self.twin.values[variable.name]), (variable, got, self.twin.values[variable.name])
-        for kind, references in self.subject.outputs.items():
+        for kind, references in self.fmu.outputs.items():
             answer = self.caller.get(kind, references)
             assert answer.ok, answer
             assert all(math.isfinite(number) for number in answer.value), (answer, self.twin)
@@ -130,7 +130,7 @@ class Checked:
         def call() -> Answer:
             return self.caller.set(variable.kind, [variable.reference], [value])
 
-        finite = self.subject.is_native or variable.kind != "Real" or math.isfinite(value)  # see the contract
+        finite = self.fmu.is_native or variable.kind != "Real" or math.isfinite(value)  # see the contract
         if self.twin.may_set(variable) and variable.is_legal(value) and finite:
             answer = call()
             assert answer.status == OK, answer
@@ -151,7 +151,7 @@ class Checked:
             self.refused(lambda: self.caller.setup(start))
 
     def enter(self, start: float = 0.0) -> bool:
-        three = self.subject.library.version == 3
+        three = self.fmu.library.version == 3
         if self.twin.phase == "instantiated" and not (three and not abs(start) <= 1e9):
             assert self.caller.enter(start).status == OK
             self.twin.phase, self.twin.time = "initialising", start if three else self.twin.time
@@ -164,14 +164,14 @@ class Checked:
         if self.twin.phase != "initialising" or bad:
             self.refused(self.caller.exit, *[*bad][:1])
             return False
-        before = self.saved() if self.subject.is_native else b""
+        before = self.saved() if self.fmu.is_native else b""
         answer = self.caller.exit()
         failed = not answer.ok or any(said.status >= DISCARD for said in answer.said)
         assert not (failed and self.twin.tame), (answer, self.twin)
         assert answer.status != FATAL, answer
         if not failed:
             self.twin.phase = "stepping"
-        elif self.subject.is_native:
+        elif self.fmu.is_native:
             assert answer.text, answer
             assert self.saved() == before
         else:
@@ -206,7 +206,7 @@ class Checked:
 
     def reset(self) -> None:
         assert self.caller.reset().status == OK
-        self.twin, self.stained = Twin(self.subject), False
+        self.twin, self.stained = Twin(self.fmu), False
 
     def begin(self) -> bool:
         """Go from an instance that was just made to its first step."""
@@ -223,7 +223,7 @@ def _same(got: Any, expected: Any) -> bool:
 
 def run_a_little(checked: Checked) -> None:
     """Step at sizes from 1 us up, and again where a step was."""
-    for step_size in (0.002, 1e-6, 0.1 if checked.subject.is_native else 0.0033):
+    for step_size in (0.002, 1e-6, 0.1 if checked.fmu.is_native else 0.0033):
         checked.step(checked.twin.time, step_size)
         checked.expect_values()
     if checked.twin.time > 0.0:
@@ -233,12 +233,12 @@ def run_a_little(checked: Checked) -> None:
 # ---- every value ---------------------------------------------------------------------------------------------------
 
 
-def every_value_is_taken_or_refused(caller: Caller, subject: Subject) -> int:
+def every_value_is_taken_or_refused(caller: Caller, fmu: ExtractedFmu) -> int:
     """Try every special value of every parameter and input, before and while stepping; returns how many there were."""
     cases = 0
-    checked = Checked(caller, subject)
-    for variable in subject.settable:
-        for value in special_values(variable, subject.is_native):
+    checked = Checked(caller, fmu)
+    for variable in fmu.settable:
+        for value in special_values(variable, fmu.is_native):
             cases += 1
             checked.set(variable, value)
             if checked.begin():
@@ -256,7 +256,7 @@ def every_value_is_taken_or_refused(caller: Caller, subject: Subject) -> int:
 # ---- any order of calls ----------------------------------------------------------------------------------------------
 
 
-def life_cycle(caller: Caller, subject: Subject, recordings: Sequence[bytes] = ()) -> type[RuleBasedStateMachine]:
+def life_cycle(caller: Caller, fmu: ExtractedFmu, recordings: Sequence[bytes] = ()) -> type[RuleBasedStateMachine]:
     """Make the machine that calls an FMU's functions in any order, legal or not, with any values.
 
     Parameters
@@ -264,7 +264,7 @@ def life_cycle(caller: Caller, subject: Subject, recordings: Sequence[bytes] = (
     recordings
         Names of files that the shaker can play.
     """
-    native = subject.is_native
+    native = fmu.is_native
     step_sizes = STEP_SIZES if native else STEP_SIZES[:6]
 
     class LifeCycle(RuleBasedStateMachine):
@@ -274,12 +274,12 @@ def life_cycle(caller: Caller, subject: Subject, recordings: Sequence[bytes] = (
 
         @initialize()
         def make(self) -> None:
-            self.checked = Checked(caller, subject)
+            self.checked = Checked(caller, fmu)
 
         def teardown(self) -> None:
             self.checked.free()
 
-        @rule(data=st.data(), variable=st.sampled_from(subject.settable))
+        @rule(data=st.data(), variable=st.sampled_from(fmu.settable))
         def set(self, data: st.DataObject, variable: Settable) -> None:
             choices = values(variable, native)
             if variable.kind == "String" and recordings:
@@ -288,7 +288,7 @@ def life_cycle(caller: Caller, subject: Subject, recordings: Sequence[bytes] = (
 
         @rule(start=st.sampled_from((0.0, 0.0, 0.1, -5.0, 1e6, 1e9, -1e9, 1.1e9, math.nan, math.inf)))
         def setup(self, start: float) -> None:
-            if subject.library.version == 2:
+            if fmu.library.version == 2:
                 self.checked.setup(start)
 
         @rule()
@@ -350,7 +350,7 @@ def life_cycle(caller: Caller, subject: Subject, recordings: Sequence[bytes] = (
         def agrees(self) -> None:
             self.checked.expect_values()
 
-    LifeCycle.__qualname__ = f"LifeCycle of {subject}"
+    LifeCycle.__qualname__ = f"LifeCycle of {fmu}"
     return LifeCycle
 
 
@@ -364,7 +364,7 @@ def saved_states(checked: Checked) -> list[bytes]:
     found.append(checked.saved())
     checked.exit()
     for _ in range(4):
-        for variable in checked.subject.inputs:
+        for variable in checked.fmu.inputs:
             checked.set(variable, 0.01 * len(found))
         checked.step(checked.twin.time, 0.0021)
     found.append(checked.saved())
@@ -376,7 +376,7 @@ def saved_states(checked: Checked) -> list[bytes]:
 
 def a_state_is_refused_or_harmless(checked: Checked, data: bytes) -> bool:
     """Offer bytes as a state: an error that says so, or an instance that goes on; returns whether they were taken."""
-    caller, subject = checked.caller, checked.subject
+    caller, fmu = checked.caller, checked.fmu
     answer = caller.from_bytes(data)
     if not answer.ok:
         assert answer.text, answer
@@ -389,12 +389,12 @@ def a_state_is_refused_or_harmless(checked: Checked, data: bytes) -> bool:
     caller.free_state(answer.value)
     if any(said.status >= DISCARD for said in taken.said) or not taken.ok:
         assert taken.text, taken
-        assert not subject.is_native or checked.saved() == before, taken
+        assert not fmu.is_native or checked.saved() == before, taken
     for _ in range(3):
-        found = caller.get("Real", [0, *subject.outputs.get("Real", [])])
+        found = caller.get("Real", [0, *fmu.outputs.get("Real", [])])
         assert found.ok, found
         assert all(map(math.isfinite, found.value)), found
-        for variable in subject.inputs:
+        for variable in fmu.inputs:
             caller.set("Real", [variable.reference], [0.01])
         stepped = caller.step(found.value[0], 0.002)
         assert stepped.status != FATAL, stepped

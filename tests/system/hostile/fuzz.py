@@ -30,9 +30,9 @@ from hypothesis.errors import HypothesisWarning
 from hypothesis.stateful import run_state_machine_as_test
 
 from seat_cosim.components import COMPONENTS
-from tests.system.hostile import file_properties, fmu_properties, subjects
+from tests.system.hostile import extracted_fmus, file_properties, fmu_properties
 from tests.system.hostile.caller import Caller
-from tests.system.hostile.subjects import FLAVOURS, Subject
+from tests.system.hostile.extracted_fmus import FLAVOURS, ExtractedFmu
 
 ROOT = Path(__file__).parents[3]
 
@@ -88,28 +88,28 @@ def _settings(cases: int) -> settings:
 # ---- targets ---------------------------------------------------------------------------------------------------------
 
 
-def _extracted(place: Place, name: str) -> Subject:
+def _extracted(place: Place, name: str) -> ExtractedFmu:
     flavour, component = name.split("/")[:2]
-    found = subjects.subject(place.built / flavour / f"{component}.fmu", flavour, place.folder)
-    return subjects.sanitized(found) if name.endswith("sanitized") else found
+    found = extracted_fmus.extracted_fmu(place.built / flavour / f"{component}.fmu", flavour, place.folder)
+    return extracted_fmus.sanitized(found) if name.endswith("sanitized") else found
 
 
 def values(place: Place, name: str) -> Counted:
     """Every special value of every parameter and input; the seed does not matter."""
-    subject = _extracted(place, name)
-    caller = Caller(subject.library, place.notes)
-    return lambda number, cases: fmu_properties.every_value_is_taken_or_refused(caller, subject)
+    fmu = _extracted(place, name)
+    caller = Caller(fmu.library, place.notes)
+    return lambda number, cases: fmu_properties.every_value_is_taken_or_refused(caller, fmu)
 
 
 def calls(place: Place, name: str) -> Counted:
     """Any order of calls."""
-    subject = _extracted(place, name)
-    caller = Caller(subject.library, place.notes)
+    fmu = _extracted(place, name)
+    caller = Caller(fmu.library, place.notes)
     files = []
     for i, data in enumerate(file_properties.recordings()):
         files.append(str(place.folder / f"{i}.csv").encode())
         Path(os.fsdecode(files[-1])).write_bytes(data)
-    machine = fmu_properties.life_cycle(caller, subject, files)
+    machine = fmu_properties.life_cycle(caller, fmu, files)
 
     def run(number: int, cases: int) -> int:
         run_state_machine_as_test(seed(number)(machine), settings=_settings(cases))
@@ -120,21 +120,21 @@ def calls(place: Place, name: str) -> Counted:
 
 def states(place: Place, name: str) -> Counted:
     """States from bytes, those of other FMUs among them."""
-    subject = _extracted(place, name)
+    fmu = _extracted(place, name)
     strangers = []
-    for other in (f"{flavour}/{subject.name}" for flavour in FLAVOURS[:2] if flavour != subject.flavour):
+    for other in (f"{flavour}/{fmu.name}" for flavour in FLAVOURS[:2] if flavour != fmu.flavour):
         stranger = _extracted(place, other)
         found = fmu_properties.Checked(Caller(stranger.library, place.notes), stranger)
         strangers += fmu_properties.saved_states(found)
         found.free()
-    checked = fmu_properties.Checked(Caller(subject.library, place.notes), subject)
+    checked = fmu_properties.Checked(Caller(fmu.library, place.notes), fmu)
     saved = fmu_properties.saved_states(checked)
 
     def refused_or_harmless(data: bytes) -> None:
         fmu_properties.a_state_is_refused_or_harmless(checked, data)
         checked.reset()
 
-    drawn = fmu_properties.spoiled_states(saved, strangers, subject.is_native)
+    drawn = fmu_properties.spoiled_states(saved, strangers, fmu.is_native)
     return _property(refused_or_harmless, drawn)
 
 
@@ -233,15 +233,15 @@ def play(targets: Sequence[str], built: Path, number: int, cases: int | None = N
     words = [*targets, "--work", str(folder), "--built", str(built), "--seed", str(number)]
     words += ["--minutes", str(seconds / 60.0)] if cases is None else ["--cases", str(cases)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    environment |= subjects.sanitizers() if targets[0].endswith("sanitized") else {}
+    environment |= extracted_fmus.sanitizers() if targets[0].endswith("sanitized") else {}
     try:
         with (folder / "printed").open("wb") as printed:
             run = subprocess.run(
                 [sys.executable, __file__, *words], stdout=subprocess.PIPE, stderr=printed, env=environment, check=False
             )
         if run.returncode == 0:
-            told = json.loads(run.stdout)
-            return Outcome(told["cases"], told["seconds"])
+            report = json.loads(run.stdout)
+            return Outcome(report["cases"], report["seconds"])
         said = (folder / "printed").read_text(errors="replace")[-20_000:]
         *_, latest = sorted((Place(built, folder / target) for target in targets), key=_age)
         last = latest.notes.read_text(errors="replace")[-5_000:] if latest.notes.is_file() else ""

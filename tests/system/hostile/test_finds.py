@@ -25,8 +25,8 @@ from seat_cosim.scenarios import seat_suspension
 from tests.helpers.files import edited
 from tests.helpers.shell import Shell
 from tests.system.hostile.caller import DISCARD, ERROR, OK, Caller
+from tests.system.hostile.extracted_fmus import FLAVOURS, Settable, Twin, extracted_fmu
 from tests.system.hostile.fmu_properties import Checked, checksummed, saved_states
-from tests.system.hostile.subjects import FLAVOURS, Settable, Twin, subject
 
 HUGE = 1.7976931348623157e308
 
@@ -39,7 +39,7 @@ class Bench:
         self._made: list[Checked] = []
 
     def __call__(self, flavour: str, name: str) -> Checked:
-        found = subject(self._built / flavour / f"{name}.fmu", flavour, self._folder)
+        found = extracted_fmu(self._built / flavour / f"{name}.fmu", flavour, self._folder)
         self._made.append(Checked(Caller(found.library, self._folder / "calls"), found))
         return self._made[-1]
 
@@ -56,7 +56,7 @@ def bench(native: Path, fmus: Path, tmp_path: Path) -> Iterator[Bench]:
 
 
 def variable(checked: Checked, name: str) -> Settable:
-    return next(v for v in checked.subject.settable if v.name == name)
+    return next(v for v in checked.fmu.settable if v.name == name)
 
 
 each_flavour = pytest.mark.parametrize("flavour", FLAVOURS)
@@ -78,14 +78,14 @@ def test_outputs_at_the_start_are_numbers(bench: Bench, flavour: str, model: str
     assert output in answer.text, answer
     checked.twin.phase = "initialising"
     checked.expect_values()
-    checked.set(variable(checked, name), 0.1)  # and can still be mended
+    checked.set(variable(checked, name), 0.1)  # and can still be corrected
     assert checked.exit()
 
 
 @each_flavour
 def test_time_has_an_end(bench: Bench, flavour: str):
     checked = bench(flavour, "Shaker")
-    if checked.subject.library.version == 2:
+    if checked.fmu.library.version == 2:
         checked.setup(1e9)
     checked.enter(1e9)
     checked.exit()
@@ -104,7 +104,7 @@ def test_the_start_time_makes_the_outputs_anew(bench: Bench):
     checked = bench("python", "Shaker")
     checked.expect_values()
     checked.setup(0.4)  # the middle of the bump
-    found = checked.caller.get("Real", checked.subject.outputs["Real"])
+    found = checked.caller.get("Real", checked.fmu.outputs["Real"])
     assert found.value[0] == pytest.approx(0.07)
 
 
@@ -154,7 +154,7 @@ index, and the controller's next sample, which was the begin of a loop."""
 def test_a_true_checksum_does_not_make_a_state(bench: Bench, flavour: str, model: str, number: int, value: float):
     checked = bench(flavour, model)
     stepping = saved_states(checked)[2]
-    first = FLAGS + 1 + max(v.reference for v in checked.subject.settable) + (model == "SeatController")  # a constant
+    first = FLAGS + 1 + max(v.reference for v in checked.fmu.settable) + (model == "SeatController")  # a constant
     answer = checked.caller.from_bytes(spoiled(stepping, first + number, value))
     assert (answer.status, answer.value) == (ERROR, None)
     assert "expected a state of" in answer.text
@@ -168,7 +168,7 @@ def test_the_noise_of_a_state_is_near_its_time(bench: Bench, flavour: str):
     checked.set(variable(checked, "profile"), 4)
     checked.begin()
     data = checked.saved()
-    first = FLAGS + 1 + max(v.reference for v in checked.subject.settable)
+    first = FLAGS + 1 + max(v.reference for v in checked.fmu.settable)
     assert checked.caller.from_bytes(spoiled(data, first, 400.0)).status == OK
     assert checked.caller.from_bytes(spoiled(data, first, -1e12)).status == ERROR  # 1e12 ticks to the next step
 
@@ -199,7 +199,7 @@ def test_a_state_that_cannot_be_restored_leaves_the_instance_as_it_was(bench: Be
     checked.begin()
     number = checked.caller.get_state().value
     checked.caller.reset()
-    checked.twin = Twin(checked.subject)
+    checked.twin = Twin(checked.fmu)
     checked.begin()
     checked.step(0.0, 0.1)
     path.unlink()

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from seat_cosim.components import build
-from tests.system.hostile import fuzz, subjects
+from tests.system.hostile import extracted_fmus, fuzz
 
 SEED = 20240607
 """The same cases with every run of the tests."""
@@ -45,7 +45,7 @@ def built(fmu_folder: Path, native: Path, fmus: Path) -> Path:
 
 @pytest.mark.parametrize("group", groups())
 def test_property_holds(group: str, built: Path):
-    if group == "readers" and not subjects.can_sanitize():
+    if group == "readers" and not extracted_fmus.can_sanitize():
         pytest.skip("gcc is not installed")
     outcome = fuzz.play(groups()[group], built, SEED, CASES.get(group.partition("/")[0], 1))
     assert outcome.found is None, outcome.found

@@ -1,4 +1,4 @@
-"""Scheduling over the driver's mass: memberships, and a force that does not jump when the mass is told a little other.
+"""Scheduling over the driver's mass: memberships, and a force that does not jump when the mass changes a little.
 
 h_1 is Lipschitz continuous in the mass, across the clamps as well, as clamping is: by (12)
 
@@ -6,7 +6,7 @@ h_1 is Lipschitz continuous in the mass, across the clamps as well, as clamping 
 
 Gains are affine in h_1, so |dK| <= |K_1 - K_2| s, |dL| <= |L_1 - L_2| s, |dD| = |1/M_min - 1/M_max| s. Over one
 history of measurements x = (delta, v) and a, the law (24) gives |d(K x)| <= |dK_x| |delta| + |dK_v| |v|. The observer
-(21), with q = -h L D between 0 and 1 and w the force it is told, is F_k = (1 - q) F_(k-1) + q w_(k-1) + h L (a + k_f D
+(21), with q = -h L D between 0 and 1 and w its force, is F_k = (1 - q) F_(k-1) + q w_(k-1) + h L (a + k_f D
 delta); w is u = K x + F, or with anti-windup u clipped, which brings no two forces further apart. So from F = 0 on
 
     |dF_k| <= |dF_(k-1)| + q |d(K x_(k-1))|

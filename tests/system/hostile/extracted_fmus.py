@@ -53,7 +53,7 @@ class Settable:
 
 
 @dataclass(frozen=True)
-class Subject:
+class ExtractedFmu:
     """An FMU that was extracted."""
 
     flavour: str
@@ -101,7 +101,7 @@ def _settable(model: ModelDescription) -> Iterator[Settable]:
         )
 
 
-def subject(fmu: Path, flavour: str, folder: Path) -> Subject:
+def extracted_fmu(fmu: Path, flavour: str, folder: Path) -> ExtractedFmu:
     """Extract an FMU to a folder and describe it."""
     model = ModelDescription.read(fmu)
     place = folder / flavour / fmu.stem
@@ -112,15 +112,17 @@ def subject(fmu: Path, flavour: str, folder: Path) -> Subject:
     for variable in model.outputs:
         outputs.setdefault(_kind(variable), []).append(variable.valueReference)
     library = Library(binary, version, model.description.guid, place / "resources")
-    return Subject(flavour, fmu.stem, library, tuple(_settable(model)), outputs)
+    return ExtractedFmu(flavour, fmu.stem, library, tuple(_settable(model)), outputs)
 
 
-def subjects(built: Path, folder: Path) -> list[Subject]:
+def extracted_fmus(built: Path, folder: Path) -> list[ExtractedFmu]:
     """Extract all FMUs of all flavours; ``built`` holds the flavours' folders."""
-    return [subject(built / flavour / f"{c.name}.fmu", flavour, folder) for flavour in FLAVOURS for c in COMPONENTS]
+    return [
+        extracted_fmu(built / flavour / f"{c.name}.fmu", flavour, folder) for flavour in FLAVOURS for c in COMPONENTS
+    ]
 
 
-def sanitized(plain: Subject) -> Subject:
+def sanitized(plain: ExtractedFmu) -> ExtractedFmu:
     """Compile a native FMU's sources again, with sanitizers that end the process where they find something."""
     (component,) = [component for component in COMPONENTS if component.name == plain.name]
     folder = plain.library.path.parent / "sanitized"
@@ -155,28 +157,28 @@ def can_sanitize() -> bool:
 class Twin:
     """What an instance should be: its phase, its time and its values, by the description and the contract alone."""
 
-    subject: Subject
+    fmu: ExtractedFmu
     phase: str = "instantiated"
     time: float = 0.0
     values: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.values = self.values or {variable.name: variable.start for variable in self.subject.settable}
+        self.values = self.values or {variable.name: variable.start for variable in self.fmu.settable}
 
     def __repr__(self) -> str:
-        changed = {v.name: self.values[v.name] for v in self.subject.settable if self.values[v.name] != v.start}
-        return f"{self.subject}, {self.phase} at t = {self.time!r} s with {changed}"
+        changed = {v.name: self.values[v.name] for v in self.fmu.settable if self.values[v.name] != v.start}
+        return f"{self.fmu}, {self.phase} at t = {self.time!r} s with {changed}"
 
     def copy(self) -> Twin:
         return replace(self, values=dict(self.values))
 
     def may_set(self, variable: Settable) -> bool:
-        """Whether the FMU may be told a value now."""
+        """Whether the FMU may get a value now."""
         return variable.tunable and self.phase != "terminated" if self.phase in ("stepping", "terminated") else True
 
     def bad_inputs(self) -> dict[str, float]:
         """Inputs whose value no step can be made from."""
-        return {v.name: self.values[v.name] for v in self.subject.inputs if not math.isfinite(self.values[v.name])}
+        return {v.name: self.values[v.name] for v in self.fmu.inputs if not math.isfinite(self.values[v.name])}
 
     def what_spoils_a_step(self) -> tuple[str, ...]:
         """What an error about an input has to say: variable, value and time."""
@@ -197,5 +199,5 @@ class Twin:
     @property
     def tame(self) -> bool:
         """Whether all is as at the start, inputs aside, and these are moderate: then nothing may fail."""
-        starts = all(self.values[v.name] == v.start for v in self.subject.settable if not v.is_input)
-        return starts and all(abs(self.values[v.name]) <= 10.0 for v in self.subject.inputs)
+        starts = all(self.values[v.name] == v.start for v in self.fmu.settable if not v.is_input)
+        return starts and all(abs(self.values[v.name]) <= 10.0 for v in self.fmu.inputs)
