@@ -145,10 +145,8 @@ def convert_units(source: QuantityUnit, sink: QuantityUnit) -> Compatibility:
     if converted is None:
         found.problems.append(f"expected two units of one dimension, got {text}")
     elif source.relative != sink.relative and (converted.offset or any(unit.offset for unit in units if unit)):
-        got = ["a difference" if end.relative else "an absolute value" for end in ends]
-        found.problems.append(
-            f"expected two differences or two absolute values, got {got[0]} in {source.name} and {got[1]}"
-        )
+        got = [f"{'a difference' if end.relative else 'an absolute value'} in {end.name}" for end in ends]
+        found.problems.append(f"expected two differences or two absolute values, got {' and '.join(got)}")
     else:
         found.transformation = converted
     return found

@@ -176,14 +176,22 @@ class Network:
         expected, got = (" x ".join(map(str, shape)) or "a scalar" for shape in (shapes[1], shapes[0]))
         return [f"expected the shape of the input, {expected}, got {got}"]
 
-    def feeding(self, sink: VariableRef) -> Connection | None:
-        """Return the connection that feeds an input, or an element of it; None where there is none."""
-        wanted = self.elements(sink)
+    def feeding(self, sink: VariableRef, sizes: Mapping[str, Mapping[int, int]] | None = None) -> Connection | None:
+        """Return the connection that feeds an input, or an element of it; None where there is none.
+
+        Parameters
+        ----------
+        sink
+            The input.
+        sizes
+            From :meth:`sizes`; those of the system's own parameters where None.
+        """
+        wanted = self.elements(sink, sizes)
         if not wanted.shape:
             return self.connections.get(VariableRef(sink.component, wanted.variable))
         for ref, connection in self.connections.items():
             if ref.component == sink.component:
-                found = self.elements(ref)
+                found = self.elements(ref, sizes)
                 if found.variable == wanted.variable and set(found.places) & set(wanted.places):
                     return connection
         return None
@@ -282,7 +290,7 @@ class Network:
         return self.models[ref.component]
 
     def variable(self, ref: VariableRef) -> ModelVariable:
-        """Look up a variable, also by the name of an element.
+        """Look up a variable, also by the name of an element, whatever the sizes of arrays are.
 
         Parameters
         ----------
@@ -294,10 +302,7 @@ class Network:
         SetupError
             If there is no such component or variable, with similar names.
         """
-        model = self._model(ref)
-        if ref.variable in model.variables:
-            return model.variables[ref.variable]
-        return model.variables[self.elements(ref).variable]
+        return self._model(ref).variable_of(ref.component, ref.variable)
 
     def sizes(self, parameters: Mapping[str, Value]) -> dict[str, dict[int, int]]:
         """Return the values of structural parameters.

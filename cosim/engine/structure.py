@@ -231,7 +231,7 @@ class Structure(Network):
             with problems.collected():
                 ref = self.parse(text)
                 elements = self.elements(ref, sizes)
-                if (connection := self.feeding(ref)) is not None:
+                if (connection := self.feeding(ref, sizes)) is not None:
                     raise SetupError(f"{ref}: expected a free input, got one that {connection.source} feeds")
                 checked = self.models[ref.component].value(ref.component, elements, value)
                 if isinstance(checked, tuple):

@@ -225,6 +225,31 @@ class ModelDescription:
             )
         return self.variables[name]
 
+    def variable_of(self, component: str, name: str) -> ModelVariable:
+        """Look up a variable by its name, or an array by the name of an element, whatever the sizes are.
+
+        Parameters
+        ----------
+        component
+            Name of the component in messages.
+        name
+            Of a variable or an element.
+
+        Returns
+        -------
+        ModelVariable
+            The variable; for an alias, that of the alias.
+
+        Raises
+        ------
+        SetupError
+            If there is no such variable; the message suggests similar names.
+        """
+        array = self.variables.get(array_name(name))
+        if name not in self.variables and array is not None and array.dimensions:
+            return array
+        return self.variable(component, name)
+
     def has(self, name: str) -> bool:
         """Whether a name is that of a variable, or of an element of an array of any size."""
         return name in self.variables or array_name(name) in self.variables

@@ -12,7 +12,6 @@ from cosim.engine.compatibility import QuantityUnit
 from cosim.engine.structure import Structure
 from cosim.errors import Problems, SetupError, did_you_mean
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.elements import array_name
 from cosim.fmi.variable_types import KINDS
 from cosim.ssp import ssd
 from cosim.ssp.package import Package
@@ -196,11 +195,7 @@ class Nodes:
         SetupError
             If there is no such variable.
         """
-        variables = self.model(node.path).variables
-        array = variables.get(array_name(node.connector))
-        if node.connector not in variables and array is not None and array.dimensions:
-            return array
-        return self.model(node.path).variable(component_name(node.path), node.connector)
+        return self.model(node.path).variable_of(component_name(node.path), node.connector)
 
     def _check_connector(self, path: ElementPath, connector: ssd.Connector) -> None:
         """Compare a connector of a component with the FMU's variable."""
