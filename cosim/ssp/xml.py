@@ -274,13 +274,17 @@ def _required_attributes() -> frozenset[str]:
 def _remove_empty(root: Any) -> None:
     """Remove attributes and lists that are empty, as some tools write what is absent.
 
-    An empty attribute whose name is required elsewhere is valid; where it is optional, it is read as absent.
+    An empty attribute whose name is required elsewhere is valid; where it is optional, it is read as absent. An
+    enumeration without its required name is taken for one with an empty name: the FMU describes it.
     """
     required = _required_attributes()
     for element in root.iter(etree.Element):
         for name, value in element.items():
             if not value and name not in required:
                 del element.attrib[name]
+    for element in root.iter(_qualified("ssc:Enumeration")):
+        if element.get("name") is None and not len(element):
+            element.set("name", "")
     lists = [element for element in root.iter(*map(_qualified, _OPTIONAL_LISTS)) if not len(element)]
     for element in lists:
         element.getparent().remove(element)

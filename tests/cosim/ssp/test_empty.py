@@ -91,3 +91,15 @@ def test_what_is_required_must_not_be_empty(gain: Path, tmp_path: Path, written:
 def test_an_empty_text_is_a_value(typed: Path, tmp_path: Path):
     text = document(component("a", "Typed.fmu", bindings(value("text", "", "String"))))
     assert load(tmp_path, text, typed).parameters == {"a.text": ""}
+
+
+@pytest.mark.parametrize(
+    "written", ["<ssc:Enumeration/>", '<ssc:Enumeration name=""/>', '<ssc:Enumeration name="Gear"/>']
+)
+def test_an_enumeration_needs_no_name(typed: Path, tmp_path: Path, written: str):
+    inside = (
+        f'<ssd:Connectors><ssd:Connector name="in_Enumeration" kind="input">{written}</ssd:Connector></ssd:Connectors>'
+    )
+    joins = connection(("a", "out_Integer"), ("b", "in_Enumeration"))
+    text = document(component("a", "Typed.fmu"), component("b", "Typed.fmu", inside), joins=joins)
+    assert len(load(tmp_path, text, typed).connections) == 1
