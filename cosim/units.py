@@ -49,7 +49,13 @@ class Unit(NamedTuple):
         return cls(name, exponents, base_unit.factor, base_unit.offset)
 
     def is_close(self, other: Unit) -> bool:
-        """Whether another unit is the same but for rounding, whatever its name."""
+        """Whether another unit is the same but for rounding, whatever its name.
+
+        Parameters
+        ----------
+        other
+            The other unit.
+        """
         return self.exponents == other.exponents and all(
             math.isclose(one, two, rel_tol=1e-9) for one, two in zip(self[2:], other[2:], strict=True)
         )

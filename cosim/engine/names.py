@@ -23,7 +23,7 @@ def unquoted(text: str) -> str:
 
 
 def split_assignment(text: str, is_name: Callable[[str], bool]) -> tuple[str, str]:
-    """Split ``NAME=VALUE``.
+    """Split an assignment ``NAME=VALUE`` at an equals sign.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def split_assignment(text: str, is_name: Callable[[str], bool]) -> tuple[str, st
 
 
 def split_connection(text: str, is_name: Callable[[str], bool]) -> tuple[str, str]:
-    """Split ``OUTPUT=INPUT``.
+    """Split a connection ``OUTPUT=INPUT`` at an equals sign.
 
     Parameters
     ----------

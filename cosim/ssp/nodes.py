@@ -179,7 +179,13 @@ class Nodes:
                 self.structure.component_steps[name] = annotation.content.value
 
     def model(self, path: ElementPath) -> ModelDescription:
-        """Return the FMU of a component."""
+        """Return the FMU of a component.
+
+        Parameters
+        ----------
+        path
+            The component.
+        """
         return self.structure.models[component_name(path)]
 
     def variable(self, node: Node) -> ModelVariable:

@@ -58,7 +58,13 @@ class UnitDefinition:
 
     @classmethod
     def of(cls, unit: Unit) -> UnitDefinition:
-        """Return the definition of a unit."""
+        """Return the definition of a unit.
+
+        Parameters
+        ----------
+        unit
+            The unit.
+        """
         exponents = dict(zip(BASE_UNITS, unit.exponents, strict=True))
         return cls(name=unit.name, base=BaseUnit(**exponents, factor=unit.factor, offset=unit.offset))
 

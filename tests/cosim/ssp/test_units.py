@@ -128,7 +128,7 @@ def test_a_connector_says_the_unit_that_the_fmu_does_not(tmp_path: Path):
         assert loaded.ignored == ()
 
 
-def test_units_that_nobody_knows_are_told(tmp_path: Path):
+def test_units_that_nobody_knows_are_reported(tmp_path: Path):
     lengths(tmp_path, "", "A.fmu")
     lengths(tmp_path, "m", "B.fmu")
     joins = connection(("a", "y"), ("b", "u"))
