@@ -200,4 +200,4 @@ class Initialization:
         more = f" and {len(changing) - _MOST_LISTED} more" if len(changing) > _MOST_LISTED else ""
         loop = next(loops(self._graph), [])
         where = f"the loop {' -> '.join(map(str, loop))}" if loop else "FMUs that declare no loop"
-        return f"initial exchange: expected {where} to settle, got {', '.join(values)}{more}"
+        return f"initial exchange: expected {where} to settle, got {values}{more}"

@@ -27,6 +27,9 @@ C_TYPES = {
     **{f"{sign}Int{bits}": f"{sign.lower()}int{bits}_t" for sign in ("", "U") for bits in (8, 16, 32, 64)},
     "String": "Text",
 }
+INDEPENDENT = '<Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>'
+"""The variable that FMI 3 demands."""
+
 LARGEST = 64
 """Room for elements of an array whose size is a parameter."""
 
@@ -193,6 +196,7 @@ class Wild:
             f'generationTool="{self.tool}">',
             f'<CoSimulation modelIdentifier="wild" {self.interface}/>{self.before}{experiment}',
             "<ModelVariables>",
+            INDEPENDENT if version == 3 else "",
             *(self._variable(v, i, version) for i, v in enumerate(self.variables, 1)),
             f"</ModelVariables><ModelStructure>{self._structure(version)}</ModelStructure>{self.after}",
             "</fmiModelDescription>",
