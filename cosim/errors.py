@@ -156,6 +156,11 @@ def listed(names: Sequence[str], most: int = 8) -> str:
     most
         How many are listed.
 
+    Returns
+    -------
+    str
+        The list, for a message.
+
     Examples
     --------
     >>> listed(["a", "b", "c"], most=2)

@@ -55,6 +55,11 @@ class Unit(NamedTuple):
         ----------
         other
             The other unit.
+
+        Returns
+        -------
+        bool
+            True where exponents, factor and offset agree.
         """
         return self.exponents == other.exponents and all(
             math.isclose(one, two, rel_tol=1e-9) for one, two in zip(self[2:], other[2:], strict=True)

@@ -227,6 +227,11 @@ def unit_problems(units: Iterable[UnitDefinition]) -> list[str]:
     ----------
     units
         Of a set of parameters or of a description.
+
+    Returns
+    -------
+    list of str
+        A line for each such name.
     """
     definitions = Counter(unit.name for unit in set(units))
     return [f"unit {name}: expected one definition, got {count}" for name, count in definitions.items() if count > 1]
