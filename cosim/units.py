@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from functools import cache
 from typing import Any, NamedTuple
@@ -46,6 +47,23 @@ class Unit(NamedTuple):
         """
         exponents = tuple(getattr(base_unit, symbol) for symbol in BASE_UNITS)
         return cls(name, exponents, base_unit.factor, base_unit.offset)
+
+    def is_close(self, other: Unit) -> bool:
+        """Whether another unit is the same but for rounding, whatever its name.
+
+        Parameters
+        ----------
+        other
+            The other unit.
+
+        Returns
+        -------
+        bool
+            True where exponents, factor and offset agree.
+        """
+        return self.exponents == other.exponents and all(
+            math.isclose(one, two, rel_tol=1e-9) for one, two in zip(self[2:], other[2:], strict=True)
+        )
 
 
 class Linear(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from fmpy.model_description import ModelVariable
 
@@ -85,50 +86,73 @@ def range_to_check(source: ModelVariable, sink: ModelVariable) -> tuple[float, f
     return None if low <= least and most <= high else (low, high)
 
 
-def convert_units(
-    source: tuple[ModelDescription, ModelVariable], sink: tuple[ModelDescription, ModelVariable]
-) -> Compatibility:
-    """Find the conversion between the units of two variables.
+class QuantityUnit(NamedTuple):
+    """The unit of a variable, a connector or a value.
 
-    Units that an FMU does not define are looked up by their names. Where that fails, values are taken as they are, with
-    a note if the names differ.
+    Attributes
+    ----------
+    name
+        None where there is no unit.
+    definition
+        In base units; None where it is not defined.
+    relative
+        Whether values are differences of two quantities, which offsets do not change.
+    """
+
+    name: str | None = None
+    definition: Unit | None = None
+    relative: bool = False
+
+    @classmethod
+    def of(cls, model: ModelDescription, variable: ModelVariable) -> QuantityUnit:
+        """Return the unit of an FMU's variable.
+
+        Parameters
+        ----------
+        model, variable
+            The FMU and its variable.
+        """
+        return cls(model.unit(variable), model.defined_unit(variable), model.is_relative(variable))
+
+    @property
+    def known(self) -> Unit | None:
+        """The definition; where there is none, that of the unit's name."""
+        return self.definition or (named_unit(self.name) if self.name else None)
+
+
+def convert_units(source: QuantityUnit, sink: QuantityUnit) -> Compatibility:
+    """Find the conversion between two units.
+
+    Units that are not defined are looked up by their names. Where that fails, values are taken as they are, with a note
+    if the names differ.
 
     Parameters
     ----------
     source, sink
-        The FMU and the variable of each end.
+        The unit of each end.
     """
     found = Compatibility()
-    names = [model.unit(variable) for model, variable in (source, sink)]
-    if None in names or (names[0] == names[1] and not _differ(source, sink)):
+    ends = (source, sink)
+    if source.name is None or sink.name is None or (source.name == sink.name and not _differ(source, sink)):
         return found
-    units = [_unit(model, variable) for model, variable in (source, sink)]
-    text = f"{names[0]} and {names[1]}"
-    unknown = [str(name) for name, unit in zip(names, units, strict=True) if unit is None]
+    units = [end.known for end in ends]
+    text = f"{source.name} and {sink.name}"
+    unknown = [str(end.name) for end, unit in zip(ends, units, strict=True) if unit is None]
     if unknown:
         found.notes.append(f"units {text} are not converted: {' and '.join(unknown)} is not defined and not known")
         return found
-    relative = [model.is_relative(variable) for model, variable in (source, sink)]
-    converted = conversion(units[0], units[1], relative=all(relative))
+    converted = conversion(units[0], units[1], relative=source.relative and sink.relative)
     if converted is None:
         found.problems.append(f"expected two units of one dimension, got {text}")
-    elif relative[0] != relative[1] and (converted.offset or any(unit.offset for unit in units if unit)):
-        ends = ["a difference" if each else "an absolute value" for each in relative]
-        found.problems.append(
-            f"expected two differences or two absolute values, got {ends[0]} in {names[0]} and {ends[1]}"
-        )
+    elif source.relative != sink.relative and (converted.offset or any(unit.offset for unit in units if unit)):
+        got = [f"{'a difference' if end.relative else 'an absolute value'} in {end.name}" for end in ends]
+        found.problems.append(f"expected two differences or two absolute values, got {' and '.join(got)}")
     else:
         found.transformation = converted
     return found
 
 
-def _differ(source: tuple[ModelDescription, ModelVariable], sink: tuple[ModelDescription, ModelVariable]) -> bool:
-    """Whether two FMUs define a unit of the same name differently, or its values are differences at one end only."""
-    defined = [model.defined_unit(variable) for model, variable in (source, sink)]
-    relative = [model.is_relative(variable) for model, variable in (source, sink)]
-    return (None not in defined and defined[0] != defined[1]) or relative[0] != relative[1]
-
-
-def _unit(model: ModelDescription, variable: ModelVariable) -> Unit | None:
-    name = model.unit(variable)
-    return model.defined_unit(variable) or (named_unit(name) if name else None)
+def _differ(source: QuantityUnit, sink: QuantityUnit) -> bool:
+    """Whether a unit of one name is defined differently at both ends, or its values are differences at one end only."""
+    definitions = (source.definition, sink.definition)
+    return (None not in definitions and definitions[0] != definitions[1]) or source.relative != sink.relative

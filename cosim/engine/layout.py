@@ -9,9 +9,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from fmpy.model_description import ModelVariable
+
 from cosim.engine.compatibility import range_to_check
 from cosim.engine.structure import Structure
 from cosim.fmi.access import InputEntry, OutputEntry, VariableMapping
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.values import Checked, starts
 from cosim.units import Linear
 
@@ -42,7 +45,8 @@ class Layout:
     Attributes
     ----------
     names
-        Elements of all outputs as ``component.element``, in the order of the table.
+        Elements of all outputs and of connected calculated parameters as ``component.element``, in the order of the
+        table.
     mappings
         Component to where its variables are.
     constants
@@ -108,7 +112,7 @@ def layout_of(structure: Structure, sizes: Sizes) -> Layout:
     index: dict[_Element, int] = {}
     for name, model in structure.models.items():
         mapping = layout.mappings[name] = VariableMapping()
-        for output in model.outputs:
+        for output in (*model.outputs, *_calculated(model, {e.variable for e in connected if e.component == name})):
             found = model.elements(name, output.name, sizes[name])
             elements = [_Element(name, found.variable, place) for place in found.places]
             mapping.outputs[output.name] = [
@@ -131,6 +135,11 @@ def layout_of(structure: Structure, sizes: Sizes) -> Layout:
                 entries.append(InputEntry(own_name, layout.size))
                 layout.constants.append(Constant(name, variable, place))
     return layout
+
+
+def _calculated(model: ModelDescription, connected: set[str]) -> list[ModelVariable]:
+    """Return the calculated parameters of an FMU among its connected variables."""
+    return [v for v in model.variables.values() if v.causality == "calculatedParameter" and v.name in connected]
 
 
 def _element_connections(structure: Structure, sizes: Sizes) -> Iterator[_ElementConnection]:

@@ -12,11 +12,8 @@ from cosim.errors import SetupError
 from cosim.units import IDENTITY, Linear
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_TRANSFORMED = re.compile(
-    rf"(?:(?P<factor>[-+]?{_NUMBER})\s*\*\s*)?"
-    rf'(?:"(?P<quoted>[^"]+)"|(?P<output>[^"]+?))'
-    rf"(?P<offset>\s*[-+]\s*{_NUMBER})?"
-)
+_FACTOR = re.compile(rf"(?P<factor>[-+]?{_NUMBER})\s*\*\s*(?P<rest>.+)", re.DOTALL)
+_OFFSET = re.compile(rf'(?:"(?P<quoted>[^"]+)"|(?P<output>.+?))(?P<offset>\s*[-+]\s*{_NUMBER})?', re.DOTALL)
 
 
 def unquoted(text: str) -> str:
@@ -26,7 +23,7 @@ def unquoted(text: str) -> str:
 
 
 def split_assignment(text: str, is_name: Callable[[str], bool]) -> tuple[str, str]:
-    """Split ``NAME=VALUE``.
+    """Split an assignment ``NAME=VALUE`` at an equals sign.
 
     Parameters
     ----------
@@ -38,7 +35,7 @@ def split_assignment(text: str, is_name: Callable[[str], bool]) -> tuple[str, st
     Returns
     -------
     name, value : str
-        At the equals sign that follows quotes, else at the last one before which stands the name of something, else at
+        At the last equals sign before which stands the name of something, else at the one that follows quotes, else at
         the first; both empty where there is none.
 
     Examples
@@ -48,15 +45,16 @@ def split_assignment(text: str, is_name: Callable[[str], bool]) -> tuple[str, st
     >>> split_assignment('"a.x=y" = 2', lambda name: False)
     ('a.x=y', '2')
     """
+    splits = [(text[: m.start()].strip(), text[m.end() :].strip()) for m in re.finditer("=", text)]
+    if named := [split for split in splits if is_name(split[0])]:
+        return named[-1]
     if quoted := re.fullmatch(r'\s*"(?P<name>[^"]+)"\s*=(?P<value>.*)', text, re.DOTALL):
         return quoted["name"], quoted["value"].strip()
-    splits = [(text[: m.start()].strip(), text[m.end() :].strip()) for m in re.finditer("=", text)]
-    named = [split for split in splits if is_name(split[0])]
-    return named[-1] if named else splits[0] if splits else ("", "")
+    return splits[0] if splits else ("", "")
 
 
 def split_connection(text: str, is_name: Callable[[str], bool]) -> tuple[str, str]:
-    """Split ``OUTPUT=INPUT``.
+    """Split a connection ``OUTPUT=INPUT`` at an equals sign.
 
     Parameters
     ----------
@@ -68,14 +66,15 @@ def split_connection(text: str, is_name: Callable[[str], bool]) -> tuple[str, st
     Returns
     -------
     source, sink : str
-        At the equals sign before quotes, else at the first one after which stands the name of something, else at the
+        At the first equals sign after which stands the name of something, else at the one before quotes, else at the
         last; both empty where there is none.
     """
+    splits = [(text[: m.start()].strip(), text[m.end() :].strip()) for m in re.finditer("=", text)]
+    if named := [split for split in splits if is_name(split[1])]:
+        return named[0]
     if quoted := re.fullmatch(r'(?P<source>.*)=\s*"(?P<sink>[^"]+)"\s*', text, re.DOTALL):
         return quoted["source"].strip(), quoted["sink"]
-    splits = [(text[: m.start()].strip(), text[m.end() :].strip()) for m in re.finditer("=", text)]
-    named = [split for split in splits if is_name(split[1])]
-    return named[0] if named else splits[-1] if splits else ("", "")
+    return splits[-1] if splits else ("", "")
 
 
 def parse_source(text: str, is_name: Callable[[str], bool]) -> tuple[str, Linear]:
@@ -86,7 +85,7 @@ def parse_source(text: str, is_name: Callable[[str], bool]) -> tuple[str, Linear
     text
         The output, with or without a transformation.
     is_name
-        Whether there is an output of a name: such a text holds no transformation.
+        Whether there is an output of a name: such a text holds no transformation, or a factor only.
 
     Returns
     -------
@@ -103,9 +102,12 @@ def parse_source(text: str, is_name: Callable[[str], bool]) -> tuple[str, Linear
     text = text.strip()
     if is_name(text):
         return text, IDENTITY
-    found = _TRANSFORMED.fullmatch(text)
-    if found is None:
+    factored = _FACTOR.fullmatch(text)
+    factor, rest = (factored["factor"], factored["rest"]) if factored else ("1", text)
+    if is_name(rest):
+        return rest, Linear(float(factor))
+    found = _OFFSET.fullmatch(rest)
+    name = (found["quoted"] or found["output"].strip()) if found else ""
+    if found is None or not name or ('"' in name and not is_name(name)):
         raise SetupError(f"{text!r}: expected COMPONENT.OUTPUT, or FACTOR*COMPONENT.OUTPUT+OFFSET")
-    offset = (found["offset"] or "0").replace(" ", "")
-    name = found["quoted"] or found["output"].strip()
-    return name, Linear(float(found["factor"] or 1.0), float(offset))
+    return name, Linear(float(factor), float((found["offset"] or "0").replace(" ", "")))

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from fmpy.model_description import ModelVariable
 
-from cosim.engine.compatibility import Compatibility, check_types, convert_units
+from cosim.engine.compatibility import Compatibility, QuantityUnit, check_types, convert_units
 from cosim.errors import Problems, SetupError, did_you_mean, with_article
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.elements import Elements, sizes_problems
@@ -97,7 +97,24 @@ class Network:
             raise SetupError(f"component {name!r}: expected a name, got an empty one")
         if name in self.models:
             raise SetupError(f"component {name}: expected a new name, got one that is there already")
-        self.models[name] = fmu if isinstance(fmu, ModelDescription) else ModelDescription.read(fmu)
+        model = fmu if isinstance(fmu, ModelDescription) else ModelDescription.read(fmu)
+        self._check_names(name, model)
+        self.models[name] = model
+
+    def _check_names(self, name: str, model: ModelDescription) -> None:
+        """Check that ``component.variable`` means one variable only, although components' names may have dots."""
+        for other, known in self.models.items():
+            pairs = [((name, model), (other, known)), ((other, known), (name, model))]
+            for (long, of_long), (short, of_short) in pairs:
+                rest = long.removeprefix(f"{short}.")
+                if other == name or rest == long:
+                    continue
+                for variable in of_long.variables:
+                    if of_short.has(f"{rest}.{variable}"):
+                        raise SetupError(
+                            f"component {name}: expected names that differ from those of {other}, "
+                            f"got {long}.{variable} in both"
+                        )
 
     def connect(
         self,
@@ -106,7 +123,7 @@ class Network:
         transformation: Linear = IDENTITY,
         convert_units: bool = True,
     ) -> None:
-        """Connect an output to an input.
+        """Connect an output to an input; a calculated parameter is an output, too, which does not change in a run.
 
         Parameters
         ----------
@@ -129,6 +146,7 @@ class Network:
             f"expected {ref} to be an {causality}, got {with_article(variable.causality)}"
             for causality, (ref, variable) in ends.items()
             if variable.causality != causality
+            and not (causality == "output" and variable.causality == "calculatedParameter")
         ]
         if (fed := self.feeding(sink)) is not None:
             problems.append(f"expected a free input, got one that {fed.source} feeds; free it first: disconnect {sink}")
@@ -158,14 +176,22 @@ class Network:
         expected, got = (" x ".join(map(str, shape)) or "a scalar" for shape in (shapes[1], shapes[0]))
         return [f"expected the shape of the input, {expected}, got {got}"]
 
-    def feeding(self, sink: VariableRef) -> Connection | None:
-        """Return the connection that feeds an input, or an element of it; None where there is none."""
-        wanted = self.elements(sink)
+    def feeding(self, sink: VariableRef, sizes: Mapping[str, Mapping[int, int]] | None = None) -> Connection | None:
+        """Return the connection that feeds an input, or an element of it; None where there is none.
+
+        Parameters
+        ----------
+        sink
+            The input.
+        sizes
+            From :meth:`sizes`; those of the system's own parameters where None.
+        """
+        wanted = self.elements(sink, sizes)
         if not wanted.shape:
             return self.connections.get(VariableRef(sink.component, wanted.variable))
         for ref, connection in self.connections.items():
             if ref.component == sink.component:
-                found = self.elements(ref)
+                found = self.elements(ref, sizes)
                 if found.variable == wanted.variable and set(found.places) & set(wanted.places):
                     return connection
         return None
@@ -264,7 +290,7 @@ class Network:
         return self.models[ref.component]
 
     def variable(self, ref: VariableRef) -> ModelVariable:
-        """Look up a variable, also by the name of an element.
+        """Look up a variable, also by the name of an element, whatever the sizes of arrays are.
 
         Parameters
         ----------
@@ -276,10 +302,7 @@ class Network:
         SetupError
             If there is no such component or variable, with similar names.
         """
-        model = self._model(ref)
-        if ref.variable in model.variables:
-            return model.variables[ref.variable]
-        return model.variables[self.elements(ref).variable]
+        return self._model(ref).variable_of(ref.component, ref.variable)
 
     def sizes(self, parameters: Mapping[str, Value]) -> dict[str, dict[int, int]]:
         """Return the values of structural parameters.
@@ -314,7 +337,7 @@ class Network:
 
     def conversion(self, source: VariableRef, sink: VariableRef) -> Compatibility:
         """Return the conversion between the units of two variables."""
-        ends = [(self.models[ref.component], self.variable(ref)) for ref in (source, sink)]
+        ends = [QuantityUnit.of(self.models[ref.component], self.variable(ref)) for ref in (source, sink)]
         return convert_units(*ends)
 
     def replace_component(self, name: str, fmu: str | Path) -> list[VariableRef]:
@@ -340,7 +363,9 @@ class Network:
         if name not in self.models:
             known = ", ".join(self.models) or "none"
             raise SetupError(f"{name}: expected a component among {known}, got none{did_you_mean(name, self.models)}")
-        self.models[name] = ModelDescription.read(fmu)
+        model = ModelDescription.read(fmu)
+        self._check_names(name, model)
+        self.models[name] = model
         affected = {
             sink: connection
             for sink, connection in self.connections.items()

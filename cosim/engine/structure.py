@@ -95,6 +95,12 @@ class Structure(Network):
     def step_size(self, seconds: float | None) -> None:
         self._step_size = seconds
 
+    @property
+    def agreed_start_time(self) -> float:
+        """Start time in s on which the default experiments of the FMUs agree; 0 where they differ or have none."""
+        starts = {m.default_start_time for m in self.models.values() if m.default_start_time is not None}
+        return starts.pop() if len(starts) == 1 else 0.0
+
     def _default(self, what: str, values: Mapping[str, float | None]) -> float | None:
         """Return the time in s on which the default experiments of the FMUs agree.
 
@@ -131,9 +137,13 @@ class Structure(Network):
         stop_time = self.stop_time if stop_time is None else stop_time
         if stop_time is None:
             stop_time = self._default("stop time", {name: m.default_stop_time for name, m in self.models.items()})
+            if stop_time is not None and start_time is not None and start_time >= stop_time:
+                raise SetupError(
+                    f"stop time: expected one after the start time, {start_time:g} s, got none but that of the FMUs' "
+                    f"default experiments, {stop_time:g} s"
+                )
         if start_time is None:
-            starts = {m.default_start_time for m in self.models.values() if m.default_start_time is not None}
-            start_time = starts.pop() if len(starts) == 1 else 0.0
+            start_time = self.agreed_start_time
             if stop_time is not None and start_time >= stop_time:
                 start_time = 0.0  # the stop time was not meant for the default experiment
         step_size = self.step_size if step_size is None else step_size
@@ -221,7 +231,7 @@ class Structure(Network):
             with problems.collected():
                 ref = self.parse(text)
                 elements = self.elements(ref, sizes)
-                if (connection := self.feeding(ref)) is not None:
+                if (connection := self.feeding(ref, sizes)) is not None:
                     raise SetupError(f"{ref}: expected a free input, got one that {connection.source} feeds")
                 checked = self.models[ref.component].value(ref.component, elements, value)
                 if isinstance(checked, tuple):

@@ -13,12 +13,11 @@ from types import MappingProxyType
 
 from fmpy.model_description import ModelVariable
 
+from cosim.errors import listed
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.elements import owner
 
 _SUFFIX = "_signals"
-
-_MOST_LISTED = 8
 
 
 @dataclass(frozen=True)
@@ -126,9 +125,8 @@ def resolve_unconnected(
         elements = model.elements(name, input_, sizes)
         missing = [n for place, n in zip(elements.places, elements.names, strict=True) if place not in known_places]
         if missing:
-            listed = ", ".join(f"{name}.{element}" for element in missing[:_MOST_LISTED])
-            more = f" and {len(missing) - _MOST_LISTED} more" if len(missing) > _MOST_LISTED else ""
-            resolved.notes.append(f"{listed}{more}: not connected and not set, unlike other elements of the array")
+            names = listed([f"{name}.{element}" for element in missing])
+            resolved.notes.append(f"{names}: not connected and not set, unlike other elements of the array")
     return resolved
 
 

@@ -6,7 +6,7 @@ import io
 import math
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -18,7 +18,7 @@ from fmpy.model_description import ModelVariable
 
 from cosim.errors import SetupError, did_you_mean, with_article
 from cosim.fmi.archive import is_file, is_unsafe_path, open_archive
-from cosim.fmi.elements import Elements, array_name, find_elements, shape_of, sizes_problems
+from cosim.fmi.elements import Elements, array_name, find_elements, owner, shape_of, sizes_problems
 from cosim.fmi.repairs import DESCRIPTION, repaired
 from cosim.fmi.unsupported import unsupported
 from cosim.fmi.values import Checked, Scalar, Value, array_of, number, starts
@@ -42,6 +42,8 @@ class ModelDescription:
         Its name in the archive; None for a file of its own.
     sampled
         Whether its discrete outputs are values at the begin of a step, see :meth:`is_sampled`.
+    relative
+        Name of each variable that says whether it is a difference to what it says, see :meth:`is_relative`.
     """
 
     path: Path
@@ -49,6 +51,7 @@ class ModelDescription:
     variables: dict[str, ModelVariable]
     member: str | None = None
     sampled: bool = False
+    relative: Mapping[str, bool] = field(default_factory=dict)
 
     @classmethod
     def read(cls, path: str | Path, member: str | None = None) -> ModelDescription:
@@ -78,12 +81,12 @@ class ModelDescription:
         try:
             opened = _opened(file, member)
             open_archive(opened, path).close()
-            archive, sampled = repaired(opened, str(path / DESCRIPTION))
+            archive, sampled, relative = repaired(opened, str(path / DESCRIPTION))
             description = fmpy.read_model_description(archive, validate=False)
             platforms = fmpy.supported_platforms(opened)
             variables = {variable.name: variable for variable in description.modelVariables}
             _mark_aliases(description)
-            model = cls(file, description, variables, member, sampled)
+            model = cls(file, description, variables, member, sampled, relative)
             model._check_numbers()
         except SetupError:
             raise
@@ -222,6 +225,31 @@ class ModelDescription:
             )
         return self.variables[name]
 
+    def variable_of(self, component: str, name: str) -> ModelVariable:
+        """Look up a variable by its name, or an array by the name of an element, whatever the sizes are.
+
+        Parameters
+        ----------
+        component
+            Name of the component in messages.
+        name
+            Of a variable or an element.
+
+        Returns
+        -------
+        ModelVariable
+            The variable; for an alias, that of the alias.
+
+        Raises
+        ------
+        SetupError
+            If there is no such variable; the message suggests similar names.
+        """
+        array = self.variables.get(array_name(name))
+        if name not in self.variables and array is not None and array.dimensions:
+            return array
+        return self.variable(component, name)
+
     def has(self, name: str) -> bool:
         """Whether a name is that of a variable, or of an element of an array of any size."""
         return name in self.variables or array_name(name) in self.variables
@@ -236,8 +264,8 @@ class ModelDescription:
 
     def is_relative(self, variable: ModelVariable) -> bool:
         """Whether a variable is a difference of two quantities, so that units convert it without an offset."""
-        declared = variable.declaredType.relativeQuantity if variable.declaredType else False
-        return bool(variable.relativeQuantity or declared)
+        declared = variable.declaredType is not None and bool(variable.declaredType.relativeQuantity)
+        return self.relative.get(owner(variable), declared)
 
     def unit(self, variable: ModelVariable) -> str | None:
         """Return the name of a variable's unit, its type's unit where it has none of its own."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 from lxml import etree
 
@@ -21,7 +21,25 @@ _BEFORE_THE_ANNOTATION = "seat-cosim 0.1."
 """Generation tools whose FMUs are sampled and do not say so."""
 
 
-def repaired(fmu: str | BinaryIO, where: str) -> tuple[str | BinaryIO, bool]:
+class RepairedDescription(NamedTuple):
+    """What is read of a description before fmpy reads it.
+
+    Attributes
+    ----------
+    archive
+        An archive with the repaired description, or the FMU itself if there is nothing to repair.
+    sampled
+        Whether the FMU's discrete outputs are values at the begin of a step.
+    relative
+        Name of each variable with an attribute ``relativeQuantity`` to its value: fmpy 0.3.32 misses it.
+    """
+
+    archive: str | BinaryIO
+    sampled: bool
+    relative: dict[str, bool]
+
+
+def repaired(fmu: str | BinaryIO, where: str) -> RepairedDescription:
     """Read an FMU's description and repair it.
 
     FMI 2.0 parameters without a variability become fixed. By the standard's default they are continuous, which is not
@@ -36,10 +54,8 @@ def repaired(fmu: str | BinaryIO, where: str) -> tuple[str | BinaryIO, bool]:
 
     Returns
     -------
-    archive : str or BinaryIO
-        An archive with the repaired description, or the FMU itself if there is nothing to repair.
-    sampled : bool
-        Whether the FMU's discrete outputs are values at the begin of a step.
+    RepairedDescription
+        The description, repaired where that is necessary.
 
     Raises
     ------
@@ -54,17 +70,25 @@ def repaired(fmu: str | BinaryIO, where: str) -> tuple[str | BinaryIO, bool]:
         if variable.get("causality") in ("parameter", "calculatedParameter") and variable.get("variability") is None
     ]
     if not found:
-        return fmu, _is_sampled(tree)
+        return RepairedDescription(fmu, _is_sampled(tree), _relative(tree))
     for variable in found:
         variable.set("variability", "fixed")
     copy = io.BytesIO()
     with zipfile.ZipFile(copy, "w") as archive:
         archive.writestr(DESCRIPTION, etree.tostring(tree))
     copy.seek(0)
-    return copy, _is_sampled(tree)
+    return RepairedDescription(copy, _is_sampled(tree), _relative(tree))
 
 
 def _is_sampled(tree: Any) -> bool:
     tools = [tool.get("name") for tool in tree.iterfind("VendorAnnotations/Tool")]
     annotations = [annotation.get("type") for annotation in tree.iterfind("Annotations/Annotation")]
     return SAMPLED in (*tools, *annotations) or str(tree.get("generationTool")).startswith(_BEFORE_THE_ANNOTATION)
+
+
+def _relative(tree: Any) -> dict[str, bool]:
+    found = {}
+    for element in tree.iterfind("ModelVariables//*[@relativeQuantity]"):
+        variable = element.getparent() if element.getparent().tag == "ScalarVariable" else element
+        found[str(variable.get("name"))] = element.get("relativeQuantity").strip() in ("true", "1")
+    return found

@@ -12,9 +12,30 @@ from typing import NamedTuple
 from cosim.engine.network import VariableRef
 from cosim.errors import SetupError, did_you_mean
 from cosim.ssp import ssd
-from cosim.ssp.nodes import IS_SOURCE_INSIDE, ElementPath, Node, Nodes, component_name
+from cosim.ssp.nodes import ElementPath, Node, Nodes, component_name
 from cosim.ssp.quantities import Transfer
 from cosim.units import IDENTITY, Linear
+
+_ALLOWED = {
+    ("system", "parameter"): {
+        ("system", "calculatedParameter"),
+        ("system", "output"),
+        ("element", "parameter"),
+        ("element", "input"),
+    },
+    ("system", "input"): {("system", "output"), ("element", "input")},
+    ("element", "calculatedParameter"): {
+        ("element", "parameter"),
+        ("element", "input"),
+        ("system", "calculatedParameter"),
+        ("system", "output"),
+    },
+    ("element", "output"): {("element", "input"), ("system", "output")},
+}
+"""Owner and kind of a source to those of its sinks: the allowed connections of SSP 1.0, 5.3.2.1, without ``inout``.
+
+The owner is the system around the connection or an element of it, which may be a system itself.
+"""
 
 
 class NodeConnection(NamedTuple):
@@ -56,7 +77,7 @@ class ConnectionGraph:
     def connect(self) -> None:
         """Connect the components of the flat structure."""
         for node in self.connections:
-            if node.path in self._nodes.components and not self._nodes.is_parameter(node):
+            if node.path in self._nodes.components:
                 with self._nodes.collected():
                     self._connect(node)
 
@@ -126,16 +147,14 @@ class ConnectionGraph:
         kinds = [self._nodes.kind(node) for node in ends]
         if "inout" in kinds:
             raise SetupError(f"{where}: expected an input and an output, got a connector of kind inout")
-        is_source = [IS_SOURCE_INSIDE[kind] == (node.path == path) for node, kind in zip(ends, kinds, strict=True)]
-        same_kind = self._nodes.is_parameter(ends[0]) == self._nodes.is_parameter(ends[1])
-        if is_source[0] == is_source[1] or not same_kind:
-            raise SetupError(f"{where}: expected a source and a sink, got {' and '.join(kinds)}")
-        if {"calculatedParameter", "parameter"} == set(kinds):
-            raise SetupError(
-                f"{where}: expected an output and an input, got a calculated parameter and a parameter; "
-                "values are exchanged between components during a run only"
-            )
-        return (ends[0], ends[1]) if is_source[0] else (ends[1], ends[0])
+        start, end = (
+            ("system" if node.path == path else "element", kind) for node, kind in zip(ends, kinds, strict=True)
+        )
+        if end in _ALLOWED.get(start, ()):
+            return ends[0], ends[1]
+        if start in _ALLOWED.get(end, ()):
+            return ends[1], ends[0]
+        raise SetupError(f"{where}: expected a source and a sink, got {' and '.join(kinds)}")
 
     def _chain(self, sink: Node) -> list[Node]:
         """Return a node, its source, the source of that, and so on."""
@@ -149,13 +168,25 @@ class ConnectionGraph:
         node, *others = reversed(self._chain(sink))
         if node.path not in self._nodes.components:
             return
-        total, unit = IDENTITY, self._nodes.unit(node)
+        where = f"connection {node} -> {sink}"
+        if self._nodes.kind(sink) == "parameter":
+            raise SetupError(
+                f"{where}: expected an output and an input, got a calculated parameter and a parameter; "
+                "values are exchanged between components during a run only"
+            )
+        total, unit, notes = IDENTITY, self._nodes.unit(node), []
         for other in others:
-            transfer = self.connections[other].transfer
-            linear, unit = transfer.linear(unit, self._nodes.unit(other), f"connection {node} -> {sink}")
+            end = self._nodes.unit(other)
+            if other.path not in self._nodes.components:
+                end = end._replace(relative=unit.relative)
+            linear, unit, found = self.connections[other].transfer.linear(unit, end, where)
             total = linear.after(total)
+            notes += found
         suppressed = any(self.connections[other].transfer.suppress_unit_conversion for other in others)
-        self._nodes.structure.connect(*self._connect_arguments(node, sink, total, suppressed))
+        arguments = self._connect_arguments(node, sink, total, suppressed)
+        self._nodes.structure.connect(*arguments)
+        known = self._nodes.structure.connections.values()
+        self._nodes.notes += [note for note in notes if not any(note in connection.notes for connection in known)]
 
     def _connect_arguments(
         self, source: Node, sink: Node, total: Linear, suppressed: bool
@@ -166,7 +197,8 @@ class ConnectionGraph:
         replaces this one may have other units.
         """
         refs = [VariableRef(component_name(end.path), end.connector) for end in (source, sink)]
-        converted = self._nodes.structure.conversion(*refs).transformation
-        if total == converted and not (suppressed and converted == IDENTITY):
+        units = self._nodes.structure.conversion(*refs)
+        converted, alike = units.transformation, not units.problems
+        if total == converted and alike and not (suppressed and converted == IDENTITY):
             return str(refs[0]), str(refs[1]), IDENTITY, True
-        return str(refs[0]), str(refs[1]), total, converted == IDENTITY and not suppressed
+        return str(refs[0]), str(refs[1]), total, converted == IDENTITY and alike and not suppressed

@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import zipfile
 import zlib
-from pathlib import Path, PurePosixPath
+from contextlib import suppress
+from pathlib import Path
+from posixpath import normpath
 from urllib.parse import unquote, urlsplit
 
 from cosim.errors import SetupError
@@ -162,7 +164,8 @@ class Package:
         SetupError
             If a URI does not refer to a file, or it cannot be read.
         """
-        where, name = self.locate(archive) / unquote(uri), self._name(uri)
+        name = self._name(uri)
+        where = self.locate(archive) / name
         try:
             with open_archive(io.BytesIO(self.read(archive)), self.locate(archive)) as opened:
                 return opened.read(name), str(where)
@@ -178,16 +181,35 @@ class Package:
         ----------
         uri
             URI of the resource, relative to the description.
+
+        Raises
+        ------
+        SetupError
+            If the URI does not refer to a file in the package.
         """
-        return self.where.parent / unquote(uri)
+        return self.where.parent / self._name(uri)
 
     def _name(self, uri: str) -> str:
-        """Return the path of the file to which a URI refers."""
+        """Return the path of the file to which a URI refers, relative to the package's folder, which it must not leave.
+
+        The URI may be relative, or one of the scheme ``file`` without or with the path of the folder.
+        """
         parts = urlsplit(uri)
-        name = unquote(parts.path)
-        if parts.scheme or parts.netloc or parts.query or parts.fragment or not name or is_unsafe_path(name):
+        path = unquote(parts.path)
+        if parts.scheme == "file" and path.startswith("/"):
+            path = self._below_the_folder(path)
+        name = normpath(path) if path else ""
+        local = parts.scheme in ("", "file") and parts.netloc in ("", "localhost")
+        if not local or parts.query or parts.fragment or name in ("", ".") or is_unsafe_path(name):
             raise SetupError(f"{self.where}: expected a source in the folder of the description, got {uri!r}")
-        return str(PurePosixPath(name))
+        return name
+
+    def _below_the_folder(self, path: str) -> str:
+        """Return an absolute path relative to the folder of the description, absolute where it is not inside."""
+        folder = Path(self.where.parent).absolute()
+        with suppress(ValueError):
+            return Path(normpath(path)).relative_to(normpath(folder)).as_posix() if self._members is None else path
+        return path
 
     def _member(self, name: str) -> bytes:
         self._check(name)

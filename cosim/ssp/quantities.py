@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
+from cosim.engine.compatibility import Compatibility, QuantityUnit, convert_units
 from cosim.errors import SetupError
 from cosim.fmi.description import ModelDescription
-from cosim.fmi.values import Value
+from cosim.fmi.elements import Elements
+from cosim.fmi.values import Value, items_of
 from cosim.fmi.variable_types import KINDS
 from cosim.ssp.ssv import Transformation, TypedValue
-from cosim.units import IDENTITY, Linear, Unit, conversion
+from cosim.units import IDENTITY, Linear, Unit
 
 
 @dataclass(frozen=True)
@@ -28,12 +31,12 @@ class Quantity:
     value
         The value in ``unit``.
     unit
-        The unit; None for the unit of the connector or variable to which the value is transferred.
+        The unit; without a name that of the connector or variable to which the value is transferred.
     """
 
     kind: str
     value: Value
-    unit: Unit | None = None
+    unit: QuantityUnit = QuantityUnit()
 
     @classmethod
     def of(cls, typed_value: TypedValue, units: Iterable[Unit], where: str) -> Quantity:
@@ -51,18 +54,18 @@ class Quantity:
         Returns
         -------
         Quantity
-            The value with its unit, None where none is declared.
+            The value with its unit.
 
         Raises
         ------
         SetupError
-            If the unit is unknown, or the type is Binary.
+            If the type is Binary.
         """
         if typed_value.kind == "Binary":
             raise SetupError(f"{where}: expected a number, Boolean or text, got Binary")
-        return cls(typed_value.kind, typed_value.value, find_unit(typed_value.unit, units, where))
+        return cls(typed_value.kind, typed_value.value, find_unit(typed_value.unit, units))
 
-    def transferred(self, transfer: Transfer, unit: Unit | None, where: str) -> Quantity:
+    def transferred(self, transfer: Transfer, unit: QuantityUnit, where: str) -> Quantity:
         """Apply a transfer to the value.
 
         Parameters
@@ -70,7 +73,7 @@ class Quantity:
         transfer
             The transfer.
         unit
-            Unit at its end; None where it is not declared.
+            Unit at its end.
         where
             Name of the parameter or connection in messages.
 
@@ -82,9 +85,12 @@ class Quantity:
         Raises
         ------
         SetupError
-            If the dimensions of the units differ, or the transformation is not for the type of the value.
+            If the unit of the value is not known or has another dimension than that at the end, or the transformation
+            is not for the type of the value.
         """
-        linear, unit = transfer.linear(self.unit, unit, where)
+        linear, unit, notes = transfer.linear(self.unit, unit, where)
+        if notes and self.unit.known is None:
+            raise SetupError(f"{where}: expected a unit that is defined or known by its name, got {self.unit.name}")
         transformation = transfer.transformation
         if transformation is not None and transformation.linear is None:
             return replace(self, value=_mapped_value(self, transformation, where), unit=unit)
@@ -94,6 +100,24 @@ class Quantity:
             raise SetupError(f"{where}: expected no linear transformation of a {self.kind}, got one")
         assert isinstance(self.value, int | float)
         return Quantity("Real", linear(float(self.value)), unit)
+
+
+class Conversion(NamedTuple):
+    """The linear part of a transfer between two units.
+
+    Attributes
+    ----------
+    linear
+        The conversion of units followed by the transformation.
+    unit
+        The unit at the end.
+    notes
+        What a user should know.
+    """
+
+    linear: Linear
+    unit: QuantityUnit
+    notes: list[str]
 
 
 @dataclass(frozen=True)
@@ -111,35 +135,29 @@ class Transfer:
     transformation: Transformation | None = None
     suppress_unit_conversion: bool = False
 
-    def linear(self, source: Unit | None, sink: Unit | None, where: str) -> tuple[Linear, Unit | None]:
+    def linear(self, source: QuantityUnit, sink: QuantityUnit, where: str) -> Conversion:
         """Return the linear transformation of numbers; a table of values is ignored.
 
         Parameters
         ----------
         source, sink
-            Units of the two ends; None where they are not declared.
+            Units of the two ends.
         where
             Name of the parameter or connection in messages.
-
-        Returns
-        -------
-        tuple
-            The conversion of units followed by the transformation, and the unit at the end.
 
         Raises
         ------
         SetupError
-            If the dimensions of the units differ.
+            If the units do not fit.
         """
-        converted: Linear | None = IDENTITY
+        units = Compatibility()
         if not self.suppress_unit_conversion:
-            converted = conversion(source, sink)
-            sink = sink or source
-        if converted is None:
-            names = " and ".join(unit.name for unit in (source, sink) if unit)
-            raise SetupError(f"{where}: expected two units of one dimension, got {names}")
+            units = convert_units(source, sink)
+            sink = sink if sink.name else source
+        if units.problems:
+            raise SetupError(*(f"{where}: {problem}" for problem in units.problems))
         own = (self.transformation and self.transformation.linear) or IDENTITY
-        return own.after(converted), sink
+        return Conversion(own.after(units.transformation), sink, [f"{where}: {note}" for note in units.notes])
 
 
 def _mapped_value(quantity: Quantity, table: Transformation, where: str) -> Value:
@@ -153,47 +171,40 @@ def _mapped_value(quantity: Quantity, table: Transformation, where: str) -> Valu
     raise SetupError(f"{where}: expected a value in the table of its transformation, got {quantity.value}")
 
 
-def find_unit(name: str | None, units: Iterable[Unit], where: str) -> Unit | None:
+def find_unit(name: str | None, units: Iterable[Unit]) -> QuantityUnit:
     """Find a unit by name.
 
     Parameters
     ----------
     name
-        Name of the unit; None where none is declared.
+        Name of the unit; None or blank where none is declared.
     units
         Known units; of several with one name, the first counts.
-    where
-        Name of the parameter or connector in messages.
 
     Returns
     -------
-    Unit or None
-        None if ``name`` is None.
-
-    Raises
-    ------
-    SetupError
-        If there is no unit of that name.
+    QuantityUnit
+        Without a definition where there is no unit of that name.
     """
-    if name is None:
-        return None
-    for unit in units:
-        if unit.name == name:
-            return unit
-    raise SetupError(f"{where}: expected a unit that is defined, got {name}")
+    if name is None or not name.strip():
+        return QuantityUnit()
+    return QuantityUnit(name, next((unit for unit in units if unit.name == name), None))
 
 
-def check_value(model: ModelDescription, component: str, variable: str, quantity: Quantity) -> Value:
-    """Check a value for a variable of an FMU.
+def check_value(model: ModelDescription, elements: Elements, component: str, quantity: Quantity) -> Value:
+    """Check a value for a variable of an FMU, or for an element of it.
+
+    Conversions that lose nothing are made, as SSP leaves them to the tool: of whole numbers and Booleans to other
+    numbers, and of whole numbers to the items of enumerations by their values. Other values are refused.
 
     Parameters
     ----------
     model
         The FMU.
+    elements
+        The variable.
     component
         Name of the component in messages.
-    variable
-        Name of the variable.
     quantity
         The value, in the variable's unit.
 
@@ -205,11 +216,16 @@ def check_value(model: ModelDescription, component: str, variable: str, quantity
     Raises
     ------
     SetupError
-        If there is no such variable, it must not be set, or the value is of a wrong type or out of range.
+        If the variable must not be set, or the value is of a wrong type or out of range.
     """
-    elements = model.elements(component, variable, model.sizes())
-    kind = KINDS[model.variables[elements.variable].type]
-    if (quantity.kind == "String") != (kind == "String") and (quantity.kind, kind) != ("String", "Enumeration"):
-        raise SetupError(f"{component}.{variable}: expected a value of type {kind}, got {quantity.kind}")
-    model.value(component, elements, quantity.value)
-    return quantity.value
+    variable = model.variables[elements.variable]
+    where, kind, value = f"{component}.{elements.alias}", KINDS[variable.type], quantity.value
+    is_text = quantity.kind in ("String", "Enumeration")
+    if (is_text or kind == "String") and quantity.kind != kind and kind != "Enumeration":
+        raise SetupError(f"{where}: expected a value of type {kind}, got {quantity.kind} {value}")
+    if is_text and kind == "Enumeration" and value not in items_of(variable):
+        raise SetupError(f"{where}: expected one of {', '.join(items_of(variable))}, got {value}")
+    if quantity.kind == "Boolean" and kind in ("Real", "Integer"):
+        value = int(bool(value))
+    model.value(component, elements, value)
+    return value

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
+from cosim.engine.compatibility import QuantityUnit
 from cosim.engine.structure import ALGORITHMS, Structure
 from cosim.errors import Problems, SetupError, prefixed
 from cosim.fmi.values import Value
@@ -43,23 +46,23 @@ def load(path: str | Path, structure: Structure) -> None:
     description = ssd.read_description(package.description(), str(package.where))
     nodes = Nodes(package, description, structure)
     graph = ConnectionGraph(nodes, description.system)
-    graph.connect()
     bindings = Bindings(nodes, graph, description.system)
+    bindings.set_sizes()
+    graph.connect()
+    bindings.set_parameters()
     with nodes.collected():
         _apply_experiment(description, structure)
     nodes.problems.raise_any()
     structure.name = description.name
-    structure.parameters |= {str(ref): value for ref, value in bindings.values.items()}
-    structure.ignored = tuple(bindings.ignored)
+    structure.ignored = (*bindings.ignored, *nodes.notes)
 
 
 def _apply_experiment(description: ssd.SystemStructureDescription, structure: Structure) -> None:
-    """Set stop time (only if the start time is 0, as that of runs), step size, algorithm and order."""
+    """Set start and stop time, step size, algorithm and order."""
     experiment = description.experiment
     if experiment is None:
         return
-    if not experiment.start_time:
-        structure.stop_time = experiment.stop_time
+    structure.start_time, structure.stop_time = experiment.start_time, experiment.stop_time
     for annotation in experiment.annotations:
         content = annotation.content
         if isinstance(content, ssd.OspAlgorithm) and content.fixed_step is not None:
@@ -95,15 +98,24 @@ def read_parameters(path: str | Path, structure: Structure) -> dict[str, Value]:
     values = ssv.read_parameter_set(read_file(Path(path), "a parameter set (.ssv)"), str(path))
     found: dict[str, Value] = {}
     problems = Problems()
-    for parameter in values.parameters:
+    for parameter in sorted(values.parameters, key=lambda parameter: not _is_structural(parameter.name, structure)):
         with problems.collected(), prefixed(str(path)):
             ref = structure.parse(parameter.name)
-            variable = structure.variable(ref)
+            elements = structure.elements(ref, structure.sizes(found))
             model = structure.models[ref.component]
             units = [*(definition.unit for definition in values.units), *model.defined_units]
             quantity = Quantity.of(parameter.typed_value, units, parameter.name)
-            unit = model.defined_unit(variable)
+            unit = QuantityUnit.of(model, model.variables[elements.variable])
+            quantity = replace(quantity, unit=quantity.unit._replace(relative=unit.relative))
             quantity = quantity.transferred(Transfer(), unit, parameter.name)
-            found[parameter.name] = check_value(model, *ref, quantity)
+            found[parameter.name] = check_value(model, elements, ref.component, quantity)
     problems.raise_any()
     return found
+
+
+def _is_structural(name: str, structure: Structure) -> bool:
+    """Whether a parameter gives arrays their sizes; false for a name that does not exist."""
+    with suppress(SetupError):
+        ref = structure.parse(name)
+        return ref.component in structure.models and ref.variable in structure.models[ref.component].structural
+    return False

@@ -143,10 +143,13 @@ class Connection:
 
 @dataclass(frozen=True, kw_only=True)
 class Component:
-    """A component of a system: an FMU with its connectors and parameters."""
+    """A component of a system: an FMU with its connectors and parameters.
+
+    The type is written although it is the default: OMSimulator 3.0 skips components without it.
+    """
 
     name: str = attribute("name")
-    type: str = attribute("type", default=FMU)
+    type: str = attribute("type", default=FMU, always=True)
     source: str = attribute("source")
     implementation: str = attribute("implementation", default="any")
     connectors: tuple[Connector, ...] = children({"ssd:Connector": Connector}, container="ssd:Connectors")

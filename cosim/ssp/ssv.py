@@ -5,9 +5,12 @@ The classes mirror the elements of the standard and have their names.
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar
 
+from cosim.errors import SetupError
 from cosim.fmi.values import Value
 from cosim.ssp.xml import BOOLEAN, INTEGER, REAL, attribute, child, children, read_document, tag
 from cosim.units import BASE_UNITS, IDENTITY, Linear, Unit
@@ -55,7 +58,13 @@ class UnitDefinition:
 
     @classmethod
     def of(cls, unit: Unit) -> UnitDefinition:
-        """Return the definition of a unit."""
+        """Return the definition of a unit.
+
+        Parameters
+        ----------
+        unit
+            The unit.
+        """
         exponents = dict(zip(BASE_UNITS, unit.exponents, strict=True))
         return cls(name=unit.name, base=BaseUnit(**exponents, factor=unit.factor, offset=unit.offset))
 
@@ -187,6 +196,47 @@ class ParameterMapping:
     entries: tuple[MappingEntry, ...] = children({"ssm:MappingEntry": MappingEntry})
 
 
+def check_names(values: ParameterSet, where: str) -> None:
+    """Check that parameters and units of a set have names of their own.
+
+    Parameters
+    ----------
+    values
+        The set.
+    where
+        Its name in messages.
+
+    Raises
+    ------
+    SetupError
+        With all names that occur twice; a unit may be repeated with the same definition.
+    """
+    parameters = Counter(parameter.name for parameter in values.parameters)
+    problems = [
+        f"parameter {name}: expected one of this name, got {count}" for name, count in parameters.items() if count > 1
+    ]
+    problems += unit_problems(values.units)
+    if problems:
+        raise SetupError(*(f"{where}: {problem}" for problem in problems))
+
+
+def unit_problems(units: Iterable[UnitDefinition]) -> list[str]:
+    """Find units with one name and several definitions.
+
+    Parameters
+    ----------
+    units
+        Of a set of parameters or of a description.
+
+    Returns
+    -------
+    list of str
+        A line for each such name.
+    """
+    definitions = Counter(unit.name for unit in set(units))
+    return [f"unit {name}: expected one definition, got {count}" for name, count in definitions.items() if count > 1]
+
+
 def read_parameter_set(data: bytes, where: str) -> ParameterSet:
     """Read a set of parameters from an ``.ssv`` file.
 
@@ -205,9 +255,11 @@ def read_parameter_set(data: bytes, where: str) -> ParameterSet:
     Raises
     ------
     SetupError
-        If the file is of another kind or version, or violates the schema.
+        If the file is of another kind or version, or violates the schema, or a name occurs twice.
     """
-    return read_document(ParameterSet, data, where)
+    values = read_document(ParameterSet, data, where)
+    check_names(values, where)
+    return values
 
 
 def read_parameter_mapping(data: bytes, where: str) -> ParameterMapping:

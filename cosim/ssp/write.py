@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import version
+from itertools import chain, count
 from urllib.parse import quote
 
 from fmpy.model_description import ModelVariable
@@ -19,6 +21,9 @@ from cosim.ssp.nodes import connector_kind
 from cosim.ssp.package import DESCRIPTION
 from cosim.ssp.xml import BOOLEAN, INTEGER, REAL, write_document
 from cosim.units import IDENTITY, Unit
+
+_FOREIGN = re.compile(r"[^\w.-]|^\.+")
+"""Characters that do not belong into the name of a file."""
 
 
 def package_contents(structure: Structure) -> dict[str, bytes]:
@@ -38,9 +43,10 @@ def package_contents(structure: Structure) -> dict[str, bytes]:
     resources: dict[str, bytes] = {}
     for name, model in structure.models.items():
         content = model.content()
-        file = f"resources/{model.where.name}"
-        if resources.get(file, content) != content:
-            file = f"resources/{name.replace('/', '-')}.fmu"
+        own = _FOREIGN.sub("-", name)
+        names = chain((model.where.name, f"{own}.fmu"), (f"{own}-{number}.fmu" for number in count(2)))
+        files = (f"resources/{each}" for each in names)
+        file = next(file for file in files if resources.get(file, content) == content)
         sources[name] = file
         resources[file] = content
     return {DESCRIPTION: write_document(_description(structure, sources)), **resources}
@@ -80,13 +86,15 @@ def parameter_set(
     """
     units: dict[str, Unit] = {}
     written = []
+    sizes = structure.sizes(parameters)
     for key, value in parameters.items():
         ref = structure.parse(key)
-        variable, model = structure.variable(ref), structure.models[ref.component]
-        typed_value, unit = _typed_value(model, ref, value), model.defined_unit(variable)
-        if typed_value.kind == "Real" and unit is not None:
-            typed_value, units[unit.name] = replace(typed_value, unit=unit.name), unit
-        written.append(ssv.Parameter(name=key, description=(sources or {}).get(key), typed_value=typed_value))
+        unit = structure.models[ref.component].defined_unit(structure.variable(ref))
+        for variable, typed_value in _typed_values(structure, ref, value, sizes).items():
+            if typed_value.kind == "Real" and unit is not None:
+                typed_value, units[unit.name] = replace(typed_value, unit=unit.name), unit
+            name, source = str(ref._replace(variable=variable)), (sources or {}).get(key)
+            written.append(ssv.Parameter(name=name, description=source, typed_value=typed_value))
     return write_document(
         ssv.ParameterSet(
             version=ssv.VERSION,
@@ -128,6 +136,16 @@ def _connectable(model: ModelDescription) -> list[ModelVariable]:
     return [v for v in model.variables.values() if v.causality in ("input", "output") and KINDS[v.type] in ssv.KINDS]
 
 
+def _connectors(structure: Structure, component: str) -> dict[str, ModelVariable]:
+    """Return the connectors of a component with their variables: its own, and elements of arrays that are connected."""
+    found = {v.name: v for v in _connectable(structure.models[component])}
+    for sink, connection in structure.connections.items():
+        for ref in (sink, connection.source):
+            if ref.component == component:
+                found.setdefault(ref.variable, structure.variable(ref))
+    return found
+
+
 def _component(structure: Structure, name: str, source: str, units: Mapping[str, Unit]) -> ssd.Component:
     model = structure.models[name]
     step_size = structure.component_steps.get(name)
@@ -136,7 +154,8 @@ def _component(structure: Structure, name: str, source: str, units: Mapping[str,
         name=name,
         source=quote(source),
         connectors=tuple(
-            ssd.Connector(name=v.name, kind=connector_kind(v), type=_type(model, v, units)) for v in _connectable(model)
+            ssd.Connector(name=connector, kind=connector_kind(variable), type=_type(model, variable, units))
+            for connector, variable in _connectors(structure, name).items()
         ),
         bindings=_bindings(structure, name),
         annotations=tuple(ssd.Annotation(type=ssd.Annotation.OSP, content=content) for content in hint),
@@ -156,25 +175,33 @@ def _type(model: ModelDescription, variable: ModelVariable, units: Mapping[str, 
 
 def _bindings(structure: Structure, component: str) -> tuple[ssd.ParameterBinding, ...]:
     """Return the binding of a component's parameters at the component itself, which all tools read."""
-    model = structure.models[component]
     refs = {structure.parse(name): value for name, value in structure.parameters.items()}
     parameters = tuple(
-        ssv.Parameter(name=ref.variable, typed_value=_typed_value(model, ref, value))
+        ssv.Parameter(name=name, typed_value=typed_value)
         for ref, value in refs.items()
         if ref.component == component
+        for name, typed_value in _typed_values(structure, ref, value).items()
     )
     values = ssv.ParameterSet(version=ssv.VERSION, name="parameters", parameters=parameters)
     return (ssd.ParameterBinding(values=values),) if parameters else ()
 
 
-def _typed_value(model: ModelDescription, ref: VariableRef, value: Value) -> ssv.TypedValue:
-    """Check a parameter's value and return its element."""
-    elements = model.elements(*ref, model.sizes())
+def _typed_values(
+    structure: Structure, ref: VariableRef, value: Value, sizes: Mapping[str, Mapping[int, int]] | None = None
+) -> dict[str, ssv.TypedValue]:
+    """Check a parameter's value and return its element by the variable's name, those of an array by their names."""
+    model, elements = structure.models[ref.component], structure.elements(ref, sizes)
     variable = model.variables[elements.variable]
-    kind, checked = KINDS[variable.type], model.value(ref.component, elements, value)
+    checked = model.value(ref.component, elements, value)
+    if not isinstance(checked, tuple):
+        return {ref.variable: _typed_value(variable, checked)}
+    return {name: _typed_value(variable, each) for name, each in zip(elements.names, checked, strict=True)}
+
+
+def _typed_value(variable: ModelVariable, checked: float | str) -> ssv.TypedValue:
+    kind = KINDS[variable.type]
     if isinstance(checked, str):
         return ssv.TypedValue(kind="String", text=checked)
-    assert isinstance(checked, float)
     if kind == "Enumeration":
         items = {float(item.value): str(item.name) for item in variable.declaredType.items}
         return ssv.TypedValue(kind=kind, text=items[checked])
@@ -202,8 +229,11 @@ def _connection(structure: Structure, sink: VariableRef, connection: Connection)
 def _experiment(structure: Structure) -> ssd.DefaultExperiment:
     exchange = ssd.Annotation(type=ssd.Annotation.OWN, content=ssd.Exchange(algorithm=structure.algorithm))
     step = () if structure.step_size is None else (ssd.FixedStep(base_step_size=structure.step_size),)
+    start = structure.start_time
+    if start is None and not structure.agreed_start_time:
+        start = 0.0  # that of a run; some tools expect one
     return ssd.DefaultExperiment(
-        start_time=0.0,
+        start_time=start,
         stop_time=structure.stop_time,
         annotations=(
             *(ssd.Annotation(type=ssd.Annotation.OSP, content=ssd.OspAlgorithm(fixed_step=fixed)) for fixed in step),

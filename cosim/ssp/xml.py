@@ -15,8 +15,9 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 from lxml import etree
 
-from cosim.errors import SetupError
+from cosim.errors import SetupError, prefixed
 from cosim.fmi.xml import parse
+from cosim.ssp.versions import check_version
 
 NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
@@ -34,6 +35,26 @@ _SCHEMAS = {
     "ssm:ParameterMapping": "SystemStructureParameterMapping",
 }
 """Root element of a document, on its own or inside another one, to the name of its schema."""
+
+
+_OPTIONAL_LISTS = (
+    *(
+        f"ssd:{name}"
+        for name in (
+            "Annotations",
+            "Connections",
+            "Connectors",
+            "Elements",
+            "Enumerations",
+            "GraphicalElements",
+            "ParameterBindings",
+            "SignalDictionaries",
+            "Units",
+        )
+    ),
+    *(f"ssv:{name}" for name in ("Annotations", "Enumerations", "Units")),
+)
+"""Elements that only hold others and may be absent."""
 
 
 class Document(Protocol):
@@ -106,10 +127,11 @@ class _Attribute:
     name: str
     codec: Codec
     default: Any
+    always: bool
 
     def read(self, element: Any) -> Any:
         text = element.get(self.name)
-        if text is None and self.default is not MISSING:
+        if not text and self.default is not MISSING:  # empty is absent
             return self.default
         where = f"{etree.QName(element).localname} {self.name}: expected {self.codec.expected}"
         if text is None:
@@ -120,7 +142,7 @@ class _Attribute:
             raise _MalformedError(element, f"{where}, got {text!r}") from None
 
     def write(self, element: Any, value: Any) -> None:
-        if self.default is MISSING or value != self.default:
+        if self.always or self.default is MISSING or value != self.default:
             element.set(self.name, self.codec.write(value))
 
 
@@ -156,7 +178,7 @@ def tag() -> Any:
     return field(metadata={"part": _Tag()})
 
 
-def attribute(name: str, codec: Codec = TEXT, default: Any = MISSING) -> Any:
+def attribute(name: str, codec: Codec = TEXT, default: Any = MISSING, always: bool = False) -> Any:
     """Declare a field that is an attribute.
 
     Parameters
@@ -166,14 +188,16 @@ def attribute(name: str, codec: Codec = TEXT, default: Any = MISSING) -> Any:
     codec
         Conversion of its value.
     default
-        Value where the attribute is absent; it is not written. Without it, the attribute is required.
+        Value where the attribute is absent or empty. Without it, the attribute is required.
+    always
+        Whether the default is written, too.
 
     Returns
     -------
     dataclass field
         The declaration.
     """
-    return field(metadata={"part": _Attribute(name, codec, default)}, default=default)
+    return field(metadata={"part": _Attribute(name, codec, default, always)}, default=default)
 
 
 def child(types: Mapping[str, type], container: str | None = None) -> Any:
@@ -224,13 +248,46 @@ def _write(value: Any, element: Any) -> None:
 # ---- documents -------------------------------------------------------------------------------------------------------
 
 
-@cache
-def _schema(name: str) -> Any:
-    """Load a schema of the standard, which fmpy includes."""
+def _schema_file(name: str) -> str:
+    """Return the file of a schema of the standard, which fmpy includes."""
     spec = find_spec("fmpy")
     assert spec is not None
     assert spec.origin is not None
-    return etree.XMLSchema(file=str(Path(spec.origin).parent / "ssp" / "schema" / f"{name}.xsd"))
+    return str(Path(spec.origin).parent / "ssp" / "schema" / f"{name}.xsd")
+
+
+@cache
+def _schema(name: str) -> Any:
+    return etree.XMLSchema(file=_schema_file(name))
+
+
+@cache
+def _required_attributes() -> frozenset[str]:
+    """Return the names of all attributes that some element requires."""
+    found: set[str] = set()
+    for name in (*_SCHEMAS.values(), "SystemStructureCommon"):
+        required = etree.parse(_schema_file(name)).xpath("//*[local-name()='attribute'][@use='required']/@name")
+        found |= set(map(str, required))
+    return frozenset(found)
+
+
+def _remove_empty(root: Any) -> None:
+    """Remove attributes and lists that are empty, as some tools write what is absent.
+
+    An empty attribute whose name is required elsewhere is valid; where it is optional, it is read as absent. An
+    enumeration without its required name is taken for one with an empty name: the FMU describes it.
+    """
+    required = _required_attributes()
+    for element in root.iter(etree.Element):
+        for name, value in element.items():
+            if not value and name not in required:
+                del element.attrib[name]
+    for element in root.iter(_qualified("ssc:Enumeration")):
+        if element.get("name") is None and not len(element):
+            element.set("name", "")
+    lists = [element for element in root.iter(*map(_qualified, _OPTIONAL_LISTS)) if not len(element)]
+    for element in lists:
+        element.getparent().remove(element)
 
 
 def _schema_problem(root: Any) -> str | None:
@@ -270,10 +327,13 @@ def read_document(cls: type[D], data: bytes, where: str) -> D:
     """
     root = parse(data, where, remove_comments=True, remove_pis=True)
     if root.tag != _qualified(cls.ROOT):
-        raise SetupError(f"{where}: expected <{cls.ROOT}> of SSP 1.0, got <{etree.QName(root).localname}>")
-    version = root.get("version", "none")
-    if not version.startswith("1."):
-        raise SetupError(f"{where}: expected version 1.0, got {version}")
+        name, namespace = etree.QName(root).localname, etree.QName(root).namespace
+        same = f" of the namespace {namespace}" if name == cls.ROOT.partition(":")[2] else ""
+        raise SetupError(f"{where}: expected <{cls.ROOT}> of SSP 1.0 or 2.0, got <{name}>{same}")
+    _remove_empty(root)
+    for element in root.iter(*map(_qualified, _SCHEMAS)):
+        with prefixed(where):
+            check_version(element)
     if problem := _schema_problem(root):
         raise SetupError(f"{where}: expected a document that is valid against the schema of SSP 1.0, got {problem}")
     try:

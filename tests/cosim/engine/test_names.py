@@ -8,7 +8,7 @@ from cosim import SetupError
 from cosim.engine.names import parse_source, split_assignment, split_connection, unquoted
 from cosim.units import IDENTITY, Linear
 
-KNOWN = {"cab.z", "cab.z-1", "2*cab.z", "cab.a=b", "seat.x=y", "cab.der(z,2)"}
+KNOWN = {"cab.z", "cab.z-1", "2*cab.z", "cab.a=b", "seat.x=y", "cab.der(z,2)", 'q"x.y', '"q".y'}
 
 
 def is_known(name: str) -> bool:
@@ -29,15 +29,21 @@ def is_known(name: str) -> bool:
         (' "cab.z-2" ', "cab.z-2", IDENTITY),
         ('3 * "cab.z-1" - 4', "cab.z-1", Linear(3.0, -4.0)),
         ('"3*x"', "3*x", IDENTITY),
+        ("2*cab.z-1", "cab.z-1", Linear(2.0)),
+        ("2*cab.z - 2", "cab.z", Linear(2.0, -2.0)),
+        ("4*2*cab.z", "2*cab.z", Linear(4.0)),
+        ('5*q"x.y-1', 'q"x.y', Linear(5.0, -1.0)),
+        ('5*"q".y', '"q".y', Linear(5.0)),
     ],
 )
 def test_sources_with_transformations(text: str, output: str, transformation: Linear):
     assert parse_source(text, is_known) == (output, transformation)
 
 
-def test_an_empty_source_is_refused():
-    with pytest.raises(SetupError, match=r"'': expected COMPONENT.OUTPUT, or FACTOR\*COMPONENT.OUTPUT\+OFFSET"):
-        parse_source(" ", is_known)
+@pytest.mark.parametrize("text", [" ", '"', '""', '2*"cab.z', '"cab.z" cab.z'])
+def test_sources_without_a_name_are_refused(text: str):
+    with pytest.raises(SetupError, match=r"expected COMPONENT.OUTPUT, or FACTOR\*COMPONENT.OUTPUT\+OFFSET"):
+        parse_source(text, is_known)
 
 
 @pytest.mark.parametrize(
@@ -48,6 +54,7 @@ def test_an_empty_source_is_refused():
         ("cab.a=b=3", ("cab.a=b", "3")),
         ('"cab.q=r" = 3', ("cab.q=r", "3")),
         ("cab.z=", ("cab.z", "")),
+        ('"q".y="a"', ('"q".y', '"a"')),
         ("nothing", ("", "")),
     ],
 )

@@ -183,7 +183,7 @@ def test_parameters_are_checked_together(pair: System):
     assert len(texts) == 8
     assert "seat.driver_mass: expected a number, got heavy" in texts
     assert "seat.seat_mass: expected a value in [1e-09, inf] kg, got -1" in texts
-    assert "seat.friction_force: expected a parameter or an input, got a output" in texts
+    assert "seat.friction_force: expected a parameter or an input, got an output" in texts
     assert "shaker.profile: expected one of bump, sine, sweep, random, file, got jump" in texts
     assert "shaker.bump.speed: expected a finite number, got nan" in texts
 

@@ -413,7 +413,6 @@ def test_a_mapping_renames_and_transforms_after_the_conversion(seat_ssp: Path, t
         "seat.driver_mass": 0.065 + 5.0,
         "seat.seat_mass": 65.0,
         "controller.enabled": False,
-        "shaker.profile": "sine",
     }
 
 
@@ -463,7 +462,7 @@ def test_a_parameter_file_is_read_for_a_run(seat_ssp: Path, tmp_path: Path):
             values(
                 UNITS,
                 seat__driver_mass=real(50.0, "mm"),
-                seat__seat_mass=real(50.0, "stone"),
+                seat__seat_mass=real(50.0, "lump"),
                 seat__mass=real(1.0),
                 plain=real(1.0),
                 shaker__bump__height=ssv.TypedValue(kind="String", text="0.05"),
@@ -476,7 +475,7 @@ def test_a_parameter_file_is_read_for_a_run(seat_ssp: Path, tmp_path: Path):
         error.value.problems
         == (
             f"{path}: seat.driver_mass: expected two units of one dimension, got mm and kg",
-            f"{path}: seat.seat_mass: expected a unit that is defined, got stone",
+            f"{path}: seat.seat_mass: expected a unit that is defined or known by its name, got lump",
             f"{path}: seat.mass: expected a variable of SeatPlant.fmu, got none"
             " (did you mean seat_mass or driver_mass?)",
             f"{path}: plain: expected COMPONENT.VARIABLE",
@@ -557,10 +556,6 @@ WRONG = {
         with_system(elements=element("seat", implementation="ModelExchange")),
         "component seat: expected a co-simulation, got ModelExchange",
     ),
-    "dot in a name": (
-        with_system(elements=element("seat", name="se.at"), connections=()),
-        "component 'se.at': expected a name without dots",
-    ),
     "one name twice": (
         with_system(elements=element("seat", name="shaker"), connections=()),
         "element shaker: expected a new name, got one that is there already",
@@ -581,10 +576,6 @@ WRONG = {
         connector("floor_displacement", "input", "Real", "mm"),
         "connector seat.floor_displacement: expected the FMU's unit m, got mm of another definition",
     ),
-    "connector's unknown unit": (
-        connector("floor_displacement", "input", "Real", "ell"),
-        "connector seat.floor_displacement: expected a unit that is defined, got ell",
-    ),
     "unknown element": (
         only(joined("shake.floor_velocity", "seat.floor_velocity")),
         r"connection shake.floor_velocity -> seat.floor_velocity: expected an element of the system, got shake \(did",
@@ -602,15 +593,14 @@ WRONG = {
         only(joined("plain", "shaker.floor_velocity"), connectors=(PLAIN,)),
         "expected a source and a sink, got input and output",
     ),
-    "a parameter to an input": (
-        only(joined("plain", "seat.force"), connectors=(ssd.Connector(name="plain", kind="parameter"),)),
-        "expected a source and a sink, got parameter and input",
+    "a parameter to an output": (
+        only(joined("plain", "seat.seat_acceleration"), connectors=(ssd.Connector(name="plain", kind="parameter"),)),
+        "expected a source and a sink, got parameter and output",
     ),
     "fed twice": (
         only(joined("controller.force", "seat.force"), joined("seat.force", "controller.force_demand")),
         "controller.force_demand: expected a free seat.force, got one that controller.force feeds",
     ),
-    "types": (only(joined("controller.saturated", "seat.force")), "expected two ends of one numeric type, got Boolean"),
     "dimensions": (
         only(joined("shaker.floor_velocity", "seat.force")),
         "connection shaker.floor_velocity -> seat.force: expected two units of one dimension, got m/s and N",
@@ -637,8 +627,8 @@ WRONG = {
         "parameter driver_mass: expected two units of one dimension, got mm and kg",
     ),
     "parameter in an unknown unit": (
-        bound(given=real(70.0, "stone")),
-        "parameter driver_mass: expected a unit that is defined, got stone",
+        bound(given=real(70.0, "lump")),
+        "parameter driver_mass: expected a unit that is defined or known by its name, got lump",
     ),
     "parameter out of range": (
         bound(given=real(-1.0)),
@@ -646,7 +636,7 @@ WRONG = {
     ),
     "parameter that is none": (
         bound("seat_acceleration"),
-        "seat.seat_acceleration: expected a parameter or an input, got a output",
+        "seat.seat_acceleration: expected a parameter or an input, got an output",
     ),
     "a system's output": (
         with_system(
@@ -770,8 +760,9 @@ def test_the_step_size_of_other_tools_is_read(seat_ssp: Path, tmp_path: Path):
     assert (system.step_size, system.stop_time) == (0.001, 2.0)
 
 
-def test_the_stop_time_of_an_experiment_that_starts_later_is_ignored(seat_ssp: Path, tmp_path: Path):
+def test_an_experiment_may_start_later(seat_ssp: Path, tmp_path: Path):
     def edit(description: ssd.SystemStructureDescription) -> ssd.SystemStructureDescription:
         return replace(description, experiment=ssd.DefaultExperiment(start_time=1.0, stop_time=2.0))
 
-    assert System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit)).stop_time is None
+    system = System.load(rewritten(seat_ssp, tmp_path / "a.ssp", edit))
+    assert (system.start_time, system.stop_time) == (1.0, 2.0)

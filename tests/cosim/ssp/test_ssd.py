@@ -168,9 +168,12 @@ BOMB = '<!DOCTYPE a [<!ENTITY b "bbbb"><!ENTITY c "&b;&b;">]>'
             "expected XML without a document type, got one",
         ),
         ("<a>" * 100_000, "expected XML, got"),
-        ("<a/>", "expected <ssd:SystemStructureDescription> of SSP 1.0, got <a>"),
-        (TEXT.replace("SSP1/SystemStructureDescription", "SSP9/X"), "of SSP 1.0, got <SystemStructureDescription>"),
-        (TEXT.replace('version="1.0"', 'version="2.0"', 1), "expected version 1.0, got 2.0"),
+        ("<a/>", "expected <ssd:SystemStructureDescription> of SSP 1.0 or 2.0, got <a>"),
+        (
+            TEXT.replace("SSP1/SystemStructureDescription", "SSP9/X"),
+            "got <SystemStructureDescription> of the namespace http://ssp-standard.org/SSP9/X",
+        ),
+        (TEXT.replace('version="1.0"', 'version="3.0"', 1), "expected version 1.0 or 2.0, got 3.0"),
         (
             TEXT.replace("<ssd:DefaultExperiment", "<ssd:Experiment").replace("</ssd:DefaultE", "</ssd:E"),
             "line .*Experiment",
@@ -193,7 +196,7 @@ def test_invalid_documents_are_errors(text: str, problem: str):
 
 
 def test_another_kind_of_document_is_an_error():
-    with pytest.raises(SetupError, match="here: expected <ssv:ParameterSet> of SSP 1.0, got <ParameterMapping>"):
+    with pytest.raises(SetupError, match="here: expected <ssv:ParameterSet> of SSP 1.0 or 2.0, got <ParameterMapping>"):
         ssv.read_parameter_set(write_document(MAPPING), "here")
 
 
