@@ -59,8 +59,8 @@ Each finding was checked against the standard.
 
 - **The native FMUs of this repository**: none. In the first run of the suite, they accepted a step past the defined
   stop time, and the Python flavours of seat and shaker could not set a state outside this repository. Both are fixed.
-- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `side_effects.memory` (4 to
-  6 KiB for each instance); warnings of `lifecycle.token`, `lifecycle.call-order` and `lifecycle.fixed`. The cause is
+- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `side_effects.memory` (4
+  to 6 KiB for each instance); warnings of `lifecycle.token`, `lifecycle.call-order` and `lifecycle.fixed`. The cause is
   pythonfmu's library, which handles these calls itself or cannot reject them.
 - **Raw pythonfmu** (`examples/foreign`, `examples/controllers`): as above, and `steps.stop-time`, `steps.backward`,
   `structure.initial-unknowns` (outputs are not listed); in the foreign ones also `variables.combinations` (parameters
