@@ -17,6 +17,7 @@ from cosim.conformance.model_description import RawDescription, RawVariable, par
 from cosim.conformance.raw_instance import (
     WARNING,
     CallFailedError,
+    InstantiationError,
     RawInstance,
     RawLibrary,
     StepResult,
@@ -106,13 +107,14 @@ class Harness:
 
         Raises
         ------
-        CallFailedError
+        InstantiationError
             If the FMU returns a null pointer.
         """
+        self.library.instances += 1
         pointer = self.library.instantiate(name, self.description.token)
         if not pointer:
             token = "guid" if self.description.fmi_major == 2 else "instantiationToken"
-            raise CallFailedError(
+            raise InstantiationError(
                 f"expected an instance with the description's {token} {self.description.token}, got none"
                 f"{self.library.last_message()}"
             )
@@ -188,10 +190,26 @@ class Harness:
         possible = math.floor((stop - start) / size * (1 + 1e-9)) if stop and stop > start else STEPS
         return Experiment(start, size, max(1, min(STEPS, possible)))
 
+    def start_values(self, variable: RawVariable) -> Values:
+        """Convert a variable's start values to the Python types in which the FMU returns its values.
+
+        Parameters
+        ----------
+        variable
+            One of :attr:`readable`, with start values or without.
+
+        Returns
+        -------
+        tuple
+            One for each element of an array, also where the description has one for all; empty without start values.
+        """
+        values = tuple(_parse(variable.type, text) for text in variable.start or ())
+        return values * self.library.value_count(variable) if len(values) == 1 else values
+
     @cached_property
     def inputs(self) -> list[RawVariable]:
         """Inputs with floating-point values; only these vary during a run."""
-        return [v for v in self.description.variables if v.causality == "input" and v.type in FLOATS and v.start]
+        return [v for v in self.readable if v.causality == "input" and v.type in FLOATS and v.start]
 
     def input_values(self, k: int) -> Row:
         """Return the values of the inputs at a communication point: sines around the start values, within the bounds.
@@ -204,7 +222,7 @@ class Harness:
         row: Row = {}
         for i, v in enumerate(self.inputs):
             amplitude = _AMPLITUDE * (abs(v.nominal) if v.nominal else 1.0)
-            centre = [float(text) for text in v.start or ()]
+            centre = self.start_values(v)
             moved = (x + (abs(x) * _AMPLITUDE or amplitude) * math.sin(0.7 * k + i) for x in centre)
             low = -math.inf if v.minimum is None else v.minimum
             high = math.inf if v.maximum is None else v.maximum
@@ -233,11 +251,16 @@ class Harness:
                 raise CallFailedError(message)
 
     @cached_property
+    def readable(self) -> list[RawVariable]:
+        """Variables of all types but clocks, without arrays of invalid dimensions."""
+        found = self.description
+        return [v for v in found.variables if v.type in self.library.TYPES and found.shape(v) is not None]
+
+    @cached_property
     def observed(self) -> list[RawVariable]:
         """Variables that are read after each step: all outputs, and a limited number of the others."""
-        readable = [v for v in self.description.variables if v.type in self.library.TYPES]
-        outputs = [v for v in readable if v.causality == "output"]
-        return outputs + [v for v in readable if v.causality != "output"][:_OBSERVED]
+        outputs = [v for v in self.readable if v.causality == "output"]
+        return outputs + [v for v in self.readable if v.causality != "output"][:_OBSERVED]
 
     def do_step(self, instance: RawInstance, k: int) -> StepResult:
         """Set the inputs and make the step that begins at a communication point.
@@ -328,16 +351,10 @@ class Harness:
         if not self.description.has_capability(capability):
             raise NotApplicableError(f"the FMU does not declare {capability}")
 
-    def require_multiple_instances(self) -> None:
-        """Continue only if a process may have several instances of the FMU.
-
-        Raises
-        ------
-        NotApplicableError
-            If it must not.
-        """
-        if self.description.has_capability("canBeInstantiatedOnlyOncePerProcess"):
-            raise NotApplicableError("the FMU can be instantiated only once per process")
+    @property
+    def instantiates_once(self) -> bool:
+        """Whether the FMU declares that a process may have one instance of it only."""
+        return self.description.has_capability("canBeInstantiatedOnlyOncePerProcess")
 
 
 def bit_patterns(values: Values) -> tuple[object, ...]:
@@ -419,27 +436,29 @@ def format_values(values: Values) -> str:
     return f"[{text}{', …' if len(words) > 4 else ''}]" if len(words) != 1 else text[:80]
 
 
-def parsed_start(variable: RawVariable) -> Values:
-    """Convert a variable's start values to the Python types in which the FMU returns its values.
+def number(type_name: str, value: float) -> float | int:
+    """Convert a number to what the FMU returns for it.
 
     Parameters
     ----------
-    variable
-        A variable with start values or without.
+    type_name
+        Type of a variable, of floats or integers.
+    value
+        In its range.
 
     Returns
     -------
-    tuple
-        Empty for a variable without start values.
+    float or int
+        A float of single precision for Float32.
     """
-    return tuple(_parse(variable.type, text) for text in variable.start or ())
+    if type_name == "Float32":
+        return float(struct.unpack("f", struct.pack("f", value))[0])
+    return float(value) if type_name in FLOATS else int(value)
 
 
 def _parse(type_name: str, text: str) -> object:
-    if type_name == "Float32":
-        return struct.unpack("f", struct.pack("f", float(text)))[0]
     if type_name in FLOATS:
-        return float(text)
+        return number(type_name, float(text))
     if type_name in (*INTEGERS, "Enumeration"):
         return int(text)
     if type_name == "Boolean":

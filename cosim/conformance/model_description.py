@@ -31,12 +31,28 @@ _PARAMETERS = ("parameter", "calculatedParameter", "structuralParameter")
 
 
 @dataclass(frozen=True)
+class RawAlias:
+    """A further name of a variable (FMI 3.0).
+
+    Attributes
+    ----------
+    name
+        The name.
+    display_unit
+        Its display unit; None where it has none of its own.
+    """
+
+    name: str
+    display_unit: str | None
+
+
+@dataclass(frozen=True)
 class RawVariable:
     """A variable as its element declares it; absent attributes are None unless the standard defines a default.
 
     Attributes
     ----------
-    name, causality, variability, initial, unit, display_unit, clocks
+    name, causality, variability, initial, unit, display_unit
         The attributes of these names, with the standard's defaults.
     reference
         Value reference; -1 if it is not an integer.
@@ -50,8 +66,10 @@ class RawVariable:
         Name of the declared type.
     derivative
         The variable that this one is the derivative of: index in FMI 2.0, value reference in FMI 3.0.
+    clocks
+        Value references of the clocks of a clocked variable (FMI 3.0).
     aliases
-        Names of the aliases (FMI 3.0).
+        The aliases (FMI 3.0).
     dimensions
         ``start`` and ``valueReference`` of each dimension as text, empty where absent (FMI 3.0).
     index
@@ -76,12 +94,17 @@ class RawVariable:
     display_unit: str | None
     declared_type: str | None
     derivative: int | None
-    clocks: str | None
-    aliases: tuple[str, ...]
+    clocks: tuple[int, ...] | None
+    aliases: tuple[RawAlias, ...]
     dimensions: tuple[tuple[str, str], ...]
     index: int
     line: int
     attributes: dict[str, str]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Its name and those of its aliases."""
+        return (self.name, *(alias.name for alias in self.aliases))
 
     def __str__(self) -> str:
         return f"{self.name} (line {self.line})"
@@ -126,12 +149,15 @@ class DeclaredType:
         Name of its unit.
     items
         Values of the items of an enumeration.
+    attributes
+        The attributes as written, without defaults.
     """
 
     name: str
     type: str
     unit: str | None
     items: tuple[float, ...]
+    attributes: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -217,7 +243,7 @@ class RawDescription:
             Its name in FMI 3.0; those of FMI 2.0 differ in capitals only.
         """
         found = {name.lower(): value for name, value in self.co_simulation.items()}
-        return found.get(capability.lower()) in ("true", "1")
+        return is_true(found.get(capability.lower()))
 
     def variable(self, reference: int | None) -> RawVariable | None:
         """Look up a variable by an index (FMI 2.0) or a value reference (FMI 3.0); None where there is none.
@@ -233,6 +259,55 @@ class RawDescription:
             The first variable with that reference.
         """
         return None if reference is None else self.by_reference.get(reference)
+
+    def attribute(self, variable: RawVariable, name: str) -> str | None:
+        """Return an attribute of a variable as written, that of its declared type where it has none of its own.
+
+        Parameters
+        ----------
+        variable
+            The variable.
+        name
+            Name of the attribute.
+        """
+        if name in variable.attributes or variable.declared_type is None:
+            return variable.attributes.get(name)
+        declared = next((t for t in self.types if t.name == variable.declared_type), None)
+        return None if declared is None else declared.attributes.get(name)
+
+    def shape(self, variable: RawVariable) -> tuple[int, ...] | None:
+        """Return the sizes of a variable's dimensions by the start values of the description.
+
+        Parameters
+        ----------
+        variable
+            A scalar or an array.
+
+        Returns
+        -------
+        tuple of int or None
+            Empty for a scalar; None where a size is not a positive integer.
+        """
+        sizes = [self._size(*dimension) for dimension in variable.dimensions]
+        return None if any(size < 1 for size in sizes) else tuple(sizes)
+
+    def _size(self, start: str, reference: str) -> int:
+        """Return the size of a dimension; below 1 where there is none."""
+        if not start:
+            referred = self.variable(_parse_integer(reference or None))
+            start = referred.start[0] if referred is not None and referred.start else ""
+        return _parse_integer(start) or 0
+
+
+def is_true(text: str | None) -> bool:
+    """Return whether the text of a Boolean attribute means true.
+
+    Parameters
+    ----------
+    text
+        Value of the attribute; None where it is absent.
+    """
+    return text in ("true", "1")
 
 
 def parse_number(text: str | None) -> float | None:
@@ -348,7 +423,7 @@ def _type_elements(root: Any, fmi_major: int) -> Iterator[tuple[str, Any]]:
 
 def _declared_type(name: str, body: Any) -> DeclaredType:
     items = tuple(parse_number(item.get("value")) or 0.0 for item in body.iterfind("Item"))
-    return DeclaredType(name, body.tag.removesuffix("Type"), body.get("unit"), items)
+    return DeclaredType(name, body.tag.removesuffix("Type"), body.get("unit"), items, dict(body.attrib))
 
 
 def _declared_units(root: Any) -> Iterator[DeclaredUnit]:
@@ -391,8 +466,8 @@ def _variable(fmi_major: int, index: int, element: Any, body: Any, type_element:
         display_unit=body.get("displayUnit"),
         declared_type=body.get("declaredType"),
         derivative=_parse_integer(body.get("derivative")),
-        clocks=element.get("clocks"),
-        aliases=tuple(alias.get("name", "") for alias in element.iterfind("Alias")),
+        clocks=_parse_integers(element.get("clocks")),
+        aliases=tuple(RawAlias(a.get("name", ""), a.get("displayUnit")) for a in element.iterfind("Alias")),
         dimensions=tuple((d.get("start") or "", d.get("valueReference") or "") for d in body.iterfind("Dimension")),
         index=index,
         line=element.sourceline or 0,

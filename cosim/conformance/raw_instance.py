@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import inspect
+import math
 import types
 import typing
 from abc import ABC, abstractmethod
@@ -37,6 +38,10 @@ Values = tuple[Any, ...]
 
 class CallFailedError(CosimError):
     """A call that must succeed did not."""
+
+
+class InstantiationError(CallFailedError):
+    """The FMU returned no instance."""
 
 
 def _c_type(annotation: Any) -> Any:
@@ -80,7 +85,9 @@ class RawLibrary(ABC):
     Attributes
     ----------
     messages
-        All messages of all instances.
+        Status and text of all messages of all instances.
+    instances
+        How many instances were requested so far.
     """
 
     PREFIX: ClassVar[str]
@@ -101,7 +108,9 @@ class RawLibrary(ABC):
     def __init__(self, description: RawDescription, folder: Path) -> None:
         self.description = description
         self.folder = folder
-        self.messages: list[str] = []
+        self.messages: list[tuple[int, str]] = []
+        self.instances = 0
+        self._last_call = 0  # number of messages before it
         self._functions: dict[str, Any] = {}
         path = library_path(description, folder)
         with chdir(path.parent):  # some libraries search the working folder for others that they need
@@ -131,7 +140,7 @@ class RawLibrary(ABC):
         """Create the callbacks that all instances share."""
 
     def function(self, name: str) -> Any:
-        """Return a function of the library.
+        """Return a function of the library, to be called at once: the messages from now on are those of the call.
 
         Parameters
         ----------
@@ -156,6 +165,7 @@ class RawLibrary(ABC):
                 raise NotApplicableError(f"the library has no {full}") from None
             function.argtypes, function.restype = self.prototypes()[full]
             self._functions[name] = function
+        self._last_call = len(self.messages)
         return self._functions[name]
 
     @property
@@ -164,8 +174,17 @@ class RawLibrary(ABC):
         return self.folder / "resources"
 
     def last_message(self) -> str:
-        """Return the FMU's last message in parentheses, to be appended to an error message; empty where none came."""
-        return f" (FMU message: {self.messages[-1]})" if self.messages else ""
+        """Return what the FMU said of the last call, in parentheses, to be appended to a message; empty for nothing.
+
+        It is the last error, where there was none the last warning or else the last message. Where the last call logged
+        nothing, those of all calls count.
+        """
+        found = self.messages[self._last_call :] or self.messages
+        for least in (DISCARD, WARNING, OK):
+            for status, text in reversed(found):
+                if status >= least:
+                    return f" (FMU message: {text})"
+        return ""
 
     @abstractmethod
     def instantiate(self, name: str, token: str) -> int | None:
@@ -237,14 +256,16 @@ class RawLibrary(ABC):
         ----------
         variable
             A scalar or an array.
+
+        Raises
+        ------
+        NotApplicableError
+            If its dimensions make no sense.
         """
-        count = 1
-        for start, reference in variable.dimensions:
-            size = start or next(
-                (v.start[0] for v in self.description.variables if v.start and str(v.reference) == reference), "0"
-            )
-            count *= int(size)
-        return count
+        shape = self.description.shape(variable)
+        if shape is None:
+            raise NotApplicableError(f"{variable} has invalid dimensions, see arrays.dimensions")
+        return math.prod(shape)
 
 
 class RawLibrary2(RawLibrary):
@@ -272,7 +293,7 @@ class RawLibrary2(RawLibrary):
     def _create_callbacks(self) -> None:
         @fmi2CallbackLoggerTYPE  # type: ignore[untyped-decorator]
         def log(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
-            self.messages.append((message or b"").decode(errors="replace"))
+            self.messages.append((status, (message or b"").decode(errors="replace")))
 
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = log
@@ -329,7 +350,7 @@ class RawLibrary3(RawLibrary):
 
     def _create_callbacks(self) -> None:
         def log(environment: int | None, status: int, category: bytes, message: bytes) -> None:
-            self.messages.append((message or b"").decode(errors="replace"))
+            self.messages.append((status, (message or b"").decode(errors="replace")))
 
         self._log = fmi3LogMessageCallback(log)
         self._update = fmi3IntermediateUpdateCallback()

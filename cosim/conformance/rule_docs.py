@@ -21,8 +21,9 @@ error, a deviation from good practice a warning. The exit code is 0 without erro
 with warnings), 2 for wrong use and missing files. `--json FILE` writes the results for programs, `--json -` to standard
 output.
 
-Rules of the groups binary, lifecycle, steps, state and side_effects run the FMU, each in a separate process with a time
-limit of {TIME_LIMIT:g} s (`--time-limit`), so that a crash or a hang is a finding of that rule. They need Linux or
+Rules of the groups binary, lifecycle, steps, state and side_effects, and `arrays.access`, run the FMU, each in a
+separate process with a time limit of {TIME_LIMIT:g} s, so that a crash or a hang is a finding of that rule. A slow FMU,
+one whose first step waits for a licence for example, needs a longer limit (`--time-limit`). These rules need Linux or
 macOS and a library for this machine. The FMU has the rights of the user: a separate process is not a sandbox.
 
 A run has at most 20 steps of the default experiment's step size. Floating-point inputs vary by a tenth around their
@@ -39,6 +40,8 @@ _TITLES = {
     "archive": "The archive",
     "description": "The description",
     "variables": "Variables",
+    "arrays": "Arrays",
+    "clocks": "Clocks",
     "structure": "The model structure",
     "fmpy_check": "fmpy's own check",
     "binary": "The library",
@@ -56,15 +59,17 @@ Each finding was checked against the standard.
 
 - **The native FMUs of this repository**: none. In the first run of the suite, they accepted a step past the defined
   stop time, and the Python flavours of seat and shaker could not set a state outside this repository. Both are fixed.
-- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `side_effects.memory` (5
-  KiB for each instance); warnings of `lifecycle.token`, `lifecycle.call-order` and `lifecycle.fixed`. The cause is
+- **The Python flavours** (pythonfmu 0.7.0): `state.free` (the pointer is not null afterwards), `side_effects.memory` (4
+  to 6 KiB for each instance); warnings of `lifecycle.token`, `lifecycle.call-order` and `lifecycle.fixed`. The cause is
   pythonfmu's library, which handles these calls itself or cannot reject them.
 - **Raw pythonfmu** (`examples/foreign`, `examples/controllers`): as above, and `steps.stop-time`, `steps.backward`,
   `structure.initial-unknowns` (outputs are not listed); in the foreign ones also `variables.combinations` (parameters
-  without a variability, which makes them continuous).
+  without a variability, which makes them continuous). A warning of `description.date` (a time zone of `+00:00`, where
+  the standard has `Z`).
 - **Raw pythonfmu3** (`examples/foreign`): `steps.stop-time`; in Chair `steps.time`, as its independent variable stays
-  at 0. Warnings of `archive.sources` (the Python script lies in `sources`, without a buildDescription.xml),
-  `lifecycle.token`, `lifecycle.call-order`, `steps.backward`.
+  at 0, and `side_effects.memory` (1 KiB for each instance). Warnings of `archive.sources` (the sources of pythonfmu3's
+  library lie in `sources`, without a buildDescription.xml), `description.date`, `lifecycle.token`,
+  `lifecycle.call-order`, `steps.backward`.
 - **Six FMI 2.0 FMUs of OpenModelica 1.19 to 1.21** (those in gemseo-fmu 3.1.1): `lifecycle.free-null` (freeing a null
   pointer crashes), `side_effects.memory` (4 to 11 KiB for each instance); in one of them `lifecycle.start-values` (an
   output with an exact start value of -0.5 starts at 0) and `variables.names-legal` (`der(der(s))`, where the convention

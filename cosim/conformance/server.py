@@ -101,7 +101,10 @@ def run_in_child(request: RuleRequest, connection: Connection) -> RuleResult:
         result: RuleResult = pickle.loads(content)
         return result
     if content is None:
-        message = f"expected an end within {request.time_limit:g} s, the FMU hung"
+        message = (
+            f"expected an end within {request.time_limit:g} s, got none: the FMU hangs, or is slow and needs a longer "
+            "--time-limit"
+        )
     else:
         message = f"expected a return, but the process {how_it_ended(os.waitstatus_to_exitcode(status))}"
     return RuleResult(findings=[RULES[request.rule].finding(message)])

@@ -21,6 +21,8 @@ MODULES = (
     "archive",
     "description",
     "variables",
+    "arrays",
+    "clocks",
     "structure",
     "fmpy_check",
     "binary",

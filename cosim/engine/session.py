@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
@@ -23,6 +25,7 @@ from cosim.engine.schedule import Schedule, ScheduledComponent, Stepper
 from cosim.engine.stdout_monitor import StdoutMonitor
 from cosim.engine.structure import Structure
 from cosim.errors import CosimError, RunError, SetupError
+from cosim.fmi import python_modules
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Experiment, Instance
 from cosim.fmi.interrupts import check, critical_section, deferring_sigint
@@ -120,22 +123,37 @@ class Session:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="seat-cosim-")))
         model.extract(folder)
         instance: AnyInstance
-        if name in self.isolated or self._is_taken(name, model):
+        if name in self.isolated or self._must_be_isolated(name, model, folder):
             instance = IsolatedInstance(name, model, folder, self.time_limit)
         else:
             instance = instantiate(name, model, folder)
         self._stack.callback(instance.free)
         self._instances[name] = instance
 
-    def _is_taken(self, name: str, model: ModelDescription) -> bool:
+    def _must_be_isolated(self, name: str, model: ModelDescription, folder: Path) -> bool:
+        """Whether an FMU cannot run in this process; if it can, note what it takes there for itself."""
+        reason = ""
+        if self._is_taken(model):
+            reason = "its FMU can be instantiated only once in a process"
+        elif module := python_modules.clash(folder):
+            reason = f"its Python module {module} is another one than the {module} of this process"
+        else:
+            python_modules.claim(folder)
+        if reason and os.name != "posix":
+            raise SetupError(
+                f"{name}: expected Linux or macOS, where it could run in a process of its own, got {sys.platform}; "
+                f"it needs that as {reason}"
+            )
+        if reason:
+            self._load_notes.append(f"{name}: runs in a process of its own, as {reason}")
+        return bool(reason)
+
+    def _is_taken(self, model: ModelDescription) -> bool:
         """Whether this process has an instance of an FMU already that allows one per process only."""
         if not model.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
             return False
         token = str(model.description.guid)
         if token in _taken:
-            self._load_notes.append(
-                f"{name}: runs in a process of its own, as its FMU can be instantiated only once in a process"
-            )
             return True
         _taken.add(token)
         self._stack.callback(_taken.discard, token)

@@ -17,6 +17,9 @@ SAMPLED = "io.github.seat-cosim.sampled"
 """Vendor annotation of an FMU whose discrete outputs are values at the begin of a step: tool name in FMI 2, annotation
 type in FMI 3."""
 
+_LISTS = ("dependencies", "dependenciesKind", "clocks")
+"""Attributes that are lists, whose items XML schema separates by any white space; fmpy by a single space."""
+
 _BEFORE_THE_ANNOTATION = "seat-cosim 0.1."
 """Generation tools whose FMUs are sampled and do not say so."""
 
@@ -43,7 +46,7 @@ def repaired(fmu: str | BinaryIO, where: str) -> RepairedDescription:
     """Read an FMU's description and repair it.
 
     FMI 2.0 parameters without a variability become fixed. By the standard's default they are continuous, which is not
-    allowed for parameters. pythonfmu writes such parameters.
+    allowed for parameters. pythonfmu writes such parameters. The white space in lists is normalized for fmpy's reader.
 
     Parameters
     ----------
@@ -64,20 +67,58 @@ def repaired(fmu: str | BinaryIO, where: str) -> RepairedDescription:
     """
     with zipfile.ZipFile(fmu) as archive:
         tree = parse(archive.read(DESCRIPTION), where)
+    changes = [normalize_lists(tree), _fix_parameters(tree)]
+    return RepairedDescription(archive_of(tree) if any(changes) else fmu, _is_sampled(tree), _relative(tree))
+
+
+def normalize_lists(tree: Any) -> bool:
+    """Separate the items of list attributes by single spaces, as XML schema normalizes them.
+
+    Parameters
+    ----------
+    tree
+        Root of a model description, from lxml; changed in place.
+
+    Returns
+    -------
+    bool
+        Whether anything was changed.
+    """
+    changed = False
+    for element in tree.iter("*"):
+        for name in _LISTS:
+            text = element.get(name)
+            if text is not None and (normalized := " ".join(text.split())) != text:
+                element.set(name, normalized)
+                changed = True
+    return changed
+
+
+def archive_of(tree: Any) -> BinaryIO:
+    """Return an archive that holds a model description only.
+
+    Parameters
+    ----------
+    tree
+        Root of the model description, from lxml.
+    """
+    copy = io.BytesIO()
+    with zipfile.ZipFile(copy, "w") as archive:
+        archive.writestr(DESCRIPTION, etree.tostring(tree))
+    copy.seek(0)
+    return copy
+
+
+def _fix_parameters(tree: Any) -> bool:
+    """Make parameters of FMI 2.0 without a variability fixed; return whether there are any."""
     found = [
         variable
         for variable in tree.iterfind("ModelVariables/ScalarVariable")
         if variable.get("causality") in ("parameter", "calculatedParameter") and variable.get("variability") is None
     ]
-    if not found:
-        return RepairedDescription(fmu, _is_sampled(tree), _relative(tree))
     for variable in found:
         variable.set("variability", "fixed")
-    copy = io.BytesIO()
-    with zipfile.ZipFile(copy, "w") as archive:
-        archive.writestr(DESCRIPTION, etree.tostring(tree))
-    copy.seek(0)
-    return RepairedDescription(copy, _is_sampled(tree), _relative(tree))
+    return bool(found)
 
 
 def _is_sampled(tree: Any) -> bool:

@@ -8,15 +8,18 @@ import select
 import threading
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cosim.errors import CosimError
+from cosim.errors import CosimError, SetupError
 from cosim.fmi.access import VariableMapping
 from cosim.fmi.child_process import parent_connection
+from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Instance
 from cosim.fmi.output_capture import OutputCapture
+from cosim.fmi.python_modules import clash
 from cosim.fmi.versions import instantiate
 
 VALUES = b"values: "
@@ -99,13 +102,20 @@ class Worker:
 
     def _call(self, method: str, arguments: list[Any]) -> None:
         if method == "load":
-            self._instance = instantiate(*arguments)
+            self._load(*arguments)
         elif method == "map_variables":
             self._map_variables(*arguments)
         elif method == "exchange":
             self._initial_exchange(*arguments)
         else:
             getattr(self._instance, method)(*arguments)
+
+    def _load(self, name: str, model: ModelDescription, folder: Path) -> None:
+        if module := clash(folder):
+            raise SetupError(
+                f"{name}: expected Python modules of names that the isolated process does not use itself, got {module}"
+            )
+        self._instance = instantiate(name, model, folder)
 
     def _map_variables(self, mapping: VariableMapping) -> None:
         assert self._instance is not None

@@ -117,6 +117,23 @@ def test_terminals_follow_the_schema_and_fit_together(native: Path):
     assert all(len(members) == 2 and members[0] == members[1] for members in plugs.values())
 
 
+def test_build_descriptions_follow_the_schema_and_name_the_compiler_of_their_options(native: Path):
+    schema = etree.XMLSchema(file=str(Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3BuildDescription.xsd"))
+    for component in COMPONENTS:
+        with zipfile.ZipFile(fmu(native, "fmi3", component)) as archive:
+            root = etree.fromstring(archive.read("sources/buildDescription.xml"))
+            names = set(archive.namelist())
+        schema.assertValid(root)
+        sets = root.findall("BuildConfiguration/SourceFileSet")
+        assert sets
+        for each_set in sets:
+            assert each_set.get("compilerOptions")
+            assert each_set.get("compiler") == "gcc"
+            files = [file.get("name") for file in each_set.findall("SourceFile")]
+            assert files
+            assert {f"sources/{name}" for name in files} <= names
+
+
 @each
 def test_an_fmu_carries_its_page_licence_and_sources(native: Path, flavour: str, component: Component):
     with zipfile.ZipFile(fmu(native, flavour, component)) as archive:

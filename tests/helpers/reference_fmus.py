@@ -43,6 +43,8 @@ _FEEDTHROUGH = (
 
 _TEXT_2 = (("text", 32, "", "String", 'causality="parameter" variability="fixed"', 'start="Set me!"'),)
 
+_OF_SIZE = '<Dimension valueReference="38"/>'
+
 _MORE_3 = (
     ("float_in", 22, "Float32", "", 'causality="input"', 'start="0"'),
     ("float_out", 23, "Float32", "", 'causality="output"', ""),
@@ -55,6 +57,8 @@ _MORE_3 = (
     ("bytes_in", 34, "Binary", "", 'causality="input"', '<Start value="666f6f"/>'),
     ("bytes_out", 35, "Binary", "", 'causality="output"', ""),
     ("pair_out", 36, "Float64", "", 'causality="output"', '<Dimension start="2"/>'),
+    ("gains", 37, "Float64", "", 'causality="parameter" variability="fixed" start="1 2 3"', _OF_SIZE),
+    ("size", 38, "UInt64", "", 'causality="structuralParameter" variability="fixed"', 'start="3"'),
 )
 
 _STAIR = (

@@ -37,9 +37,10 @@ static bool faulty(const char *name)
 
 /* ---- the model --------------------------------------------------------------------------------------------------- */
 
-enum { NUMBERS = 40, TEXT = 64 };
+enum { NUMBERS = 48, TEXT = 64 };
 enum { TIME = 0, X = 1, DER_X = 2, K = 3, BOUNDED = 5, FIRST_INPUT = 10, LAST_INPUT = 28, COUNTER = 30 };
 enum { TEXT_IN = 32, BYTES_IN = 34 }; /* each with its output behind it, as the even ones of 10 to 28 */
+enum { PAIR = 36, GAINS = 37, SIZE = 38, FIRST_GAIN = 40, LAST_GAIN = 42 }; /* GAINS is an array of SIZE numbers */
 
 typedef enum { INSTANTIATED, INITIALISING, STEPPING, TERMINATED } Phase;
 
@@ -65,8 +66,9 @@ typedef struct {
 } Model;
 
 static const double internal_step = 0.1;
-static int alive; /* instances */
+static int alive, made; /* instances */
 static void *volatile leaked;
+static Model *first; /* of the instances that live */
 
 static Status fail(const Model *instance, const char *message)
 {
@@ -85,6 +87,9 @@ static void start_values(Model *instance)
     s->numbers[X] = s->numbers[K] = 1.0;
     s->numbers[BOUNDED] = 2.0;
     s->numbers[COUNTER] = s->numbers[20] = s->numbers[21] = 1.0;
+    s->numbers[SIZE] = 3.0;
+    for (int i = FIRST_GAIN; i <= LAST_GAIN; i++)
+        s->numbers[i] = i - FIRST_GAIN + 1.0;
     strcpy(s->texts[0], "Set me!");
     memcpy(s->bytes[0], "foo", s->lengths[0] = 3);
     instance->stop_time = INFINITY;
@@ -145,6 +150,17 @@ static void leave_behind(Model *instance)
         (void)!fopen("/dev/null", "r");
 }
 
+/* Whether the host gets no further instance: of 50, or of one at a time. */
+static bool refused(void)
+{
+    if (alive && faulty("once_crash"))
+        abort();
+    if (alive && faulty("once_reset"))
+        first->state.numbers[X] = 0.0;
+    made++;
+    return (faulty("licence") && made > 50) || (alive && (faulty("once") || faulty("once_reset")));
+}
+
 static Model *make(const char *name, const char *token, const char *resources)
 {
     static const char *const tokens[] = {"{dahlquist}", "{feedthrough}", "{stair}"};
@@ -160,7 +176,8 @@ static Model *make(const char *name, const char *token, const char *resources)
     instance->stair = model == 2;
     start_values(instance);
     leave_behind(instance);
-    alive++;
+    if (!alive++)
+        first = instance;
     return instance;
 }
 
@@ -253,7 +270,8 @@ static void release(Model *instance)
 
 static bool may_set(const Model *instance, unsigned reference)
 {
-    return instance->state.phase < STEPPING || (reference != K && reference != BOUNDED) || faulty("fixed");
+    const bool is_fixed = reference == K || reference == BOUNDED || reference >= GAINS;
+    return instance->state.phase < STEPPING || !is_fixed || faulty("fixed");
 }
 
 static Status set_number(Model *instance, unsigned reference, double value)
@@ -264,6 +282,10 @@ static Status set_number(Model *instance, unsigned reference, double value)
         return fail(instance, "set: an input does not move");
     if (faulty("clamps") && reference == BOUNDED && value > 4.0)
         value = 4.0;
+    if (faulty("array_first") && reference > FIRST_GAIN)
+        return F(OK);
+    if (faulty("array_past") && reference == LAST_GAIN)
+        instance->state.numbers[BOUNDED] = 3.0;
     instance->state.numbers[reference] = value;
     if (instance->state.phase != STEPPING)
         update(instance);
@@ -312,13 +334,6 @@ static Status from_bytes(const void *bytes, size_t size, void **state)
     return F(OK);
 }
 
-#define EACH                                                                          \
-    for (size_t i = 0; i < n; i++) {                                                  \
-        const Status status = set_number(instance, references[i], (double)values[i]); \
-        if (status != F(OK))                                                          \
-            return status;                                                            \
-    }
-
 #define UNUSED(name)     \
     Status name(void)    \
     {                    \
@@ -342,6 +357,11 @@ void *fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2Stri
                       const fmi2CallbackFunctions *host, fmi2Boolean visible, fmi2Boolean logging)
 {
     (void)visible, (void)logging;
+    if (refused()) {
+        host->logger(host->componentEnvironment, name, fmi2Error, "logStatusError", "no licence");
+        host->logger(host->componentEnvironment, name, fmi2OK, "logStatusError", "good bye");
+        return NULL;
+    }
     Model *instance = type == fmi2CoSimulation ? make(name, token, resources) : NULL;
     if (instance) {
         instance->host = host;
@@ -405,6 +425,13 @@ Status fmi2GetBooleanStatus(void *c, const fmi2StatusKind kind, fmi2Boolean *val
     *value = kind == fmi2Terminated && ((Model *)c)->ended;
     return fmi2OK;
 }
+
+#define EACH                                                                          \
+    for (size_t i = 0; i < n; i++) {                                                  \
+        const Status status = set_number(instance, references[i], (double)values[i]); \
+        if (status != F(OK))                                                          \
+            return status;                                                            \
+    }
 
 #define ACCESS(name, type)                                                                            \
     Status fmi2Get##name(void *c, const fmi2ValueReference *references, size_t n, type *values)       \
@@ -486,6 +513,11 @@ void *fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String 
                                   void *environment, fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback up)
 {
     (void)visible, (void)logging, (void)event_mode, (void)early_return, (void)required, (void)n, (void)up;
+    if (refused()) {
+        log(environment, fmi3Error, "logStatusError", "no licence");
+        log(environment, fmi3OK, "logStatusError", "good bye");
+        return NULL;
+    }
     Model *instance = make(name, token, resources);
     if (instance) {
         instance->environment = environment;
@@ -537,26 +569,48 @@ Status fmi3DoStep(void *c, double time, double size, bool no_set_state, bool *ev
     return status;
 }
 
-/* Value reference 36 is an array of two numbers: the input 10 and its opposite. */
+/* The elements of the array PAIR are the input 10 and its opposite. */
+static size_t elements(unsigned reference)
+{
+    return reference == PAIR ? 2 : reference == GAINS ? LAST_GAIN - FIRST_GAIN + 1 : 1;
+}
+
+static double element(const Model *instance, unsigned reference, size_t i, size_t references)
+{
+    const double *v = instance->state.numbers;
+    if (faulty("array_order") && reference == GAINS && references > 6 && instance->state.phase == INITIALISING)
+        i = elements(reference) - 1 - i;
+    return reference == PAIR ? (i ? -v[10] : v[10]) : v[reference == GAINS ? FIRST_GAIN + i : reference];
+}
+
 #define ACCESS(name, type)                                                                                          \
     Status fmi3Get##name(void *c, const fmi3ValueReference *references, size_t n, type *values, size_t count)       \
     {                                                                                                               \
         const Model *instance = c;                                                                                  \
         size_t at = 0;                                                                                              \
         for (size_t i = 0; i < n; i++) {                                                                            \
-            if (at >= count)                                                                                        \
+            if (at + elements(references[i]) > count)                                                               \
                 return fail(instance, "get: too few values");                                                       \
-            values[at++] = (type)instance->state.numbers[references[i] == 36 ? 10 : references[i]];                 \
-            if (references[i] == 36)                                                                                \
-                values[at++] = (type) - instance->state.numbers[10];                                                \
+            for (size_t k = 0; k < elements(references[i]); k++)                                                    \
+                values[at++] = (type)element(instance, references[i], k, n);                                        \
         }                                                                                                           \
         return at == count ? fmi3OK : fail(instance, "get: too many values");                                       \
     }                                                                                                               \
     Status fmi3Set##name(void *c, const fmi3ValueReference *references, size_t n, const type *values, size_t count) \
     {                                                                                                               \
         Model *instance = c;                                                                                        \
-        (void)count;                                                                                                \
-        EACH return fmi3OK;                                                                                         \
+        size_t at = 0;                                                                                              \
+        for (size_t i = 0; i < n; i++) {                                                                            \
+            const unsigned base = references[i] == GAINS ? FIRST_GAIN : references[i];                              \
+            if (at + elements(references[i]) > count)                                                               \
+                return fail(instance, "set: too few values");                                                       \
+            for (size_t k = 0; k < elements(references[i]); k++) {                                                  \
+                const Status status = set_number(instance, base + k, (double)values[at++]);                         \
+                if (status != F(OK))                                                                                \
+                    return status;                                                                                  \
+            }                                                                                                       \
+        }                                                                                                           \
+        return at == count ? fmi3OK : fail(instance, "set: too many values");                                       \
     }
 
 ACCESS(Float64, double)

@@ -176,7 +176,8 @@ def binaries(fmu: FmuArchive) -> Iterator[str]:
         found = [str(path) for path in fmu.files_under(f"binaries/{folder}")]
         static = any(path.endswith((".a", ".lib")) for path in found)
         if suffix and f"{name}{suffix}" not in found and not static:
-            yield f"binaries/{folder}: expected {name}{suffix}, got {', '.join(sorted(found)[:3]) or 'nothing'}"
+            text = f"binaries/{folder}: expected {name}{suffix}, got {', '.join(sorted(found)[:3]) or 'nothing'}"
+            yield Advice(text) if _library(fmu, folder, f"{name}{suffix}") else text
 
 
 @rule("archive.machine", "Libraries have the format and machine of their folder", clause=_CLAUSE, stage="archive")
@@ -184,13 +185,13 @@ def machine(fmu: FmuArchive) -> Iterator[str]:
     name = _identifier(fmu)
     for folder in _platforms(fmu):
         suffix, expected = _expected(folder)
-        member = fmu.files_under(f"binaries/{folder}").get(PurePosixPath(f"{name}{suffix}"))
-        if member is None or not suffix:
+        library = _library(fmu, folder, f"{name}{suffix}") if suffix else None
+        if library is None:
             continue
-        found = formats(fmu.first_bytes(member, 4096))
+        found = formats(fmu.first_bytes(fmu.files_under(f"binaries/{folder}")[library], 4096))
         if expected not in found:
             got = " and ".join(found) or "another kind of file"
-            yield f"binaries/{folder}/{name}{suffix}: expected a library for {expected}, got {got}"
+            yield f"binaries/{folder}/{library}: expected a library for {expected}, got {got}"
 
 
 def formats(head: bytes) -> list[str]:
@@ -232,6 +233,7 @@ def sources(fmu: FmuArchive) -> Iterator[str]:
     found = {str(path) for path in fmu.files_under("sources")}
     if not found and not (fmu.description and fmu.description.source_files):
         raise NotApplicableError("the FMU has no sources")
+    has_binaries = bool(fmu.files_under("binaries"))  # then importers need no sources, which may be for reading only
     if _standard(fmu) == 2:
         listed = fmu.description.source_files if fmu.description else ()
         where = "SourceFiles"
@@ -239,12 +241,13 @@ def sources(fmu: FmuArchive) -> Iterator[str]:
         where = "buildDescription.xml"
         if where not in found:
             text = f"sources: expected a {where}, got none"
-            yield Advice(text) if fmu.files_under("binaries") else text  # the sources may be for reading only
+            yield Advice(text) if has_binaries else text
             return
         listed = tuple(_listed(fmu))
     for name in listed:
         if str(PurePosixPath(name)) not in found:
-            yield f"{where}: expected files in sources, got {name}, which does not exist"
+            text = f"{where}: expected files in sources, got {name}, which does not exist"
+            yield Advice(text) if has_binaries else text
 
 
 def _listed(fmu: FmuArchive) -> Iterator[str]:
@@ -287,6 +290,14 @@ def _identifier(fmu: FmuArchive) -> str:
 def _platforms(fmu: FmuArchive) -> list[str]:
     """Return the platform folders that contain files."""
     return list(dict.fromkeys(path.parts[0] for path in fmu.files_under("binaries") if len(path.parts) > 1))
+
+
+def _library(fmu: FmuArchive, folder: str, name: str) -> PurePosixPath | None:
+    """Find a library in a platform's folder; Windows finds it by any capitals."""
+    found = fmu.files_under(f"binaries/{folder}")
+    if _expected(folder)[0] == _SYSTEMS["windows"][0]:
+        return next((path for path in found if str(path).lower() == name.lower()), None)
+    return next((path for path in found if str(path) == name), None)
 
 
 def _expected(folder: str) -> tuple[str, str]:

@@ -139,6 +139,21 @@ def token(fmu: FmuArchive) -> Iterator[str]:
 
 
 @rule(
+    "description.date",
+    "The date of generation is in UTC, in the form YYYY-MM-DDThh:mm:ssZ",
+    clause="2.0 §2.2.1; 3.0 §2.4.1",
+    stage="description",
+    severity="warning",
+)
+def date(fmu: FmuArchive) -> Iterator[str]:
+    found = require_description(fmu).attributes.get("generationDateAndTime")
+    if found is None:
+        raise NotApplicableError("there is no generationDateAndTime")
+    if re.fullmatch(r"-?\d{4,}-\d\d-\d\dT.*", found) and not re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", found):
+        yield f"generationDateAndTime: expected a time like 2026-01-31T12:00:00Z, got {found}"  # others: see the schema
+
+
+@rule(
     "description.capabilities",
     "Capabilities that require others are declared with them",
     clause="2.0 §4.3.1; 3.0 §4.3.1",

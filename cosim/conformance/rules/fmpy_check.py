@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import deepcopy
 
 import fmpy
 from fmpy.validation import validate_model_description
@@ -10,7 +11,7 @@ from fmpy.validation import validate_model_description
 from cosim.conformance.fmu_archive import FmuArchive
 from cosim.conformance.rule import rule
 from cosim.conformance.rules.description import require_description
-from cosim.fmi.repairs import DESCRIPTION
+from cosim.fmi.repairs import DESCRIPTION, archive_of, normalize_lists
 
 
 @rule(
@@ -22,8 +23,10 @@ from cosim.fmi.repairs import DESCRIPTION
 )
 def fmpy_validation(fmu: FmuArchive) -> Iterator[str]:
     require_description(fmu)
+    tree = deepcopy(fmu.description_root)
+    source = archive_of(tree) if normalize_lists(tree) else str(fmu.path)  # fmpy reads no other white space
     try:
-        found = fmpy.read_model_description(str(fmu.path), validate=False)
+        found = fmpy.read_model_description(source, validate=False)
         yield from validate_model_description(found, validate_model_structure=True)
     except Exception as error:  # fmpy raises exceptions of many types for invalid files
         yield f"{DESCRIPTION}: expected a description that fmpy can read, got: {error}"

@@ -10,11 +10,10 @@ from cosim.conformance.harness import (
     bit_patterns,
     first_difference,
     format_values,
-    parsed_start,
     row_difference,
 )
 from cosim.conformance.raw_instance import OK, STATUS, WARNING, CallFailedError, RawInstance
-from cosim.conformance.rule import NotApplicableError, rule
+from cosim.conformance.rule import Advice, NotApplicableError, rule
 from cosim.conformance.rules.binary import NEEDS_LIBRARY
 
 NEEDS_RUN = ("steps.inputs",)
@@ -90,16 +89,14 @@ def free_null(harness: Harness) -> None:
     needs=("lifecycle.sequence",),
 )
 def start_values(harness: Harness) -> Iterator[str]:
-    variables = [v for v in harness.description.variables if v.initial == "exact" and v.type in harness.library.TYPES]
-    variables = [v for v in variables if v.start is not None]
+    variables = [v for v in harness.readable if v.initial == "exact" and v.start is not None]
     with harness.instance() as instance:
         instance.enter_initialization_mode(harness.experiment.start_time)
         found = instance.get_values(variables)
         instance.exit_initialization_mode()
         instance.call_ok("Terminate")
     for v in variables:
-        expected = tuple(map(_comparable, parsed_start(v)))
-        expected = expected * len(found[v.name]) if len(expected) == 1 else expected  # one for all elements
+        expected = tuple(map(_comparable, harness.start_values(v)))
         got = tuple(map(_comparable, found[v.name]))
         if bit_patterns(expected) != bit_patterns(got):
             yield f"{v}: expected start value {format_values(expected)}, got {format_values(got)}"
@@ -156,7 +153,8 @@ def reset(harness: Harness) -> Iterator[str]:
     needs=("steps.deterministic",),
 )
 def instances(harness: Harness) -> Iterator[str]:
-    harness.require_multiple_instances()
+    if harness.instantiates_once:
+        raise NotApplicableError("the FMU can be instantiated only once per process")
     with harness.initialized() as single:
         expected = harness.run(single)
     with harness.initialized("one") as one, harness.initialized("other") as other:
@@ -169,6 +167,28 @@ def instances(harness: Harness) -> Iterator[str]:
                 break
     if text := first_difference(expected, got, harness.experiment):
         yield f"beside another instance: {text}"
+
+
+@rule(
+    "lifecycle.once",
+    "An FMU that can be instantiated only once per process refuses a second instance and goes on with the first",
+    clause="2.0 §4.3.1; 3.0 §4.3.1",
+    stage="behaviour",
+    needs=("steps.deterministic",),
+)
+def once(harness: Harness) -> Iterator[str]:
+    if not harness.instantiates_once:
+        raise NotApplicableError("the FMU can be instantiated several times per process")
+    with harness.initialized() as single:
+        expected = harness.run(single)
+    with harness.initialized("one") as one:
+        got = harness.run(one, last=1)
+        if harness.library.instantiate("other", harness.description.token):
+            yield Advice("expected no second instance, as canBeInstantiatedOnlyOncePerProcess is declared, got one")
+        if len(got) < len(expected):
+            got += harness.run(one, 1)
+    if text := first_difference(expected, got, harness.experiment):
+        yield f"after a second instance was requested: {text}"
 
 
 @rule(
@@ -243,6 +263,9 @@ def call_order(harness: Harness) -> Iterator[str]:
             yield f"{what}: expected an error, got {STATUS[status]}"
         elif status < len(STATUS) - 2:  # not fatal
             instance.free()
+            continue
+        if harness.instantiates_once:
+            break  # an instance that cannot be freed is left
 
 
 @rule(
@@ -254,8 +277,7 @@ def call_order(harness: Harness) -> Iterator[str]:
     needs=("lifecycle.sequence",),
 )
 def fixed(harness: Harness) -> Iterator[str]:
-    parameters = [v for v in harness.description.variables if (v.causality, v.variability) == ("parameter", "fixed")]
-    parameters = [v for v in parameters if v.type in harness.library.TYPES]
+    parameters = [v for v in harness.readable if (v.causality, v.variability) == ("parameter", "fixed")]
     if not parameters:
         raise NotApplicableError("the FMU has no fixed parameters")
     accepted = []

@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from cosim.conformance.harness import Harness, file_stats
+from cosim.conformance.raw_instance import InstantiationError
 from cosim.conformance.rule import NotApplicableError, rule
 from cosim.conformance.rules.lifecycle import NEEDS_RUN
 
@@ -139,16 +140,23 @@ def _cycles_per_measurement(harness: Harness) -> int:
     needs=NEEDS_RUN,
 )
 def memory(harness: Harness) -> Iterator[str]:
-    cycles = _cycles_per_measurement(harness)
-    growth = []
-    for _ in range(_MEASUREMENTS):  # an allocator grows once, a leak in every measurement
-        before = _resident(), _allocated()
-        for _ in range(cycles):
-            _run_cycle(harness)
-        growth.append(((_resident() - before[0]) / cycles, (_allocated() - before[1]) / cycles))
-    worst = max(map(min, zip(*growth, strict=True)))
+    try:
+        cycles = _cycles_per_measurement(harness)
+        growth = [_growth(harness, cycles) for _ in range(_MEASUREMENTS)]
+    except InstantiationError as error:  # of a tool's licence, for example; the other rules need a few instances only
+        number = harness.library.instances
+        raise NotApplicableError(f"too few instances for a measurement: instance {number}: {error}") from None
+    worst = max(map(min, zip(*growth, strict=True)))  # an allocator grows once, a leak in every measurement
     if worst > LEAK:
         yield f"expected no growth per instance, got {worst / 1024:.1f} KiB each over {_MEASUREMENTS * cycles}"
+
+
+def _growth(harness: Harness, cycles: int) -> tuple[float, float]:
+    """Run cycles; return by how many bytes the memory grew in each: that of the process, that of C's allocator."""
+    before = _resident(), _allocated()
+    for _ in range(cycles):
+        _run_cycle(harness)
+    return (_resident() - before[0]) / cycles, (_allocated() - before[1]) / cycles
 
 
 def _resident() -> int:

@@ -125,13 +125,15 @@ def dependencies(fmu: FmuArchive) -> Iterator[str]:
         yield from (f"{where}: {problem}" for problem in _kind_problems(found, unknown))
         for reference in unknown.dependencies or ():
             known = found.variable(reference)
-            if known is not None and not _may_be_known(unknown, known, reference in states):
+            if known is not None and not _may_be_known(found.fmi_major, unknown, known, reference in states):
                 attributes = f"{known.variability} {known.causality}, initial {known.initial or 'not declared'}"
                 yield f"{where}: expected dependencies on known variables, got {known}, {attributes}"
 
 
-def _may_be_known(unknown: Unknown, known: RawVariable, is_state: bool) -> bool:
-    """Return whether an unknown may depend on a variable directly."""
+def _may_be_known(fmi_major: int, unknown: Unknown, known: RawVariable, is_state: bool) -> bool:
+    """Return whether an unknown may depend on a variable directly; in FMI 3.0 on any parameter."""
+    if fmi_major == 3 and known.causality == "parameter":
+        return True
     if known.causality in ("input", "independent", "structuralParameter") or is_state or known.type == "Clock":
         return True
     if unknown.list == "InitialUnknown":

@@ -8,7 +8,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator
 
 from cosim.conformance.fmu_archive import FmuArchive
-from cosim.conformance.model_description import RawVariable, parse_number
+from cosim.conformance.model_description import RawDescription, RawVariable, is_true, parse_number
 from cosim.conformance.rule import NotApplicableError, rule
 from cosim.conformance.rules.description import require_description
 from cosim.fmi.variable_types import FLOATS, INTEGERS
@@ -53,7 +53,7 @@ _STRUCTURED = re.compile(rf"{_IDENTIFIER}|der\({_IDENTIFIER}(?:,\s?\d+)?\)", re.
 def names_unique(fmu: FmuArchive) -> Iterator[str]:
     lines = defaultdict(list)
     for variable in require_description(fmu).variables:
-        for name in (variable.name, *variable.aliases):
+        for name in variable.names:
             lines[name].append(variable.line)
     for name, found in lines.items():
         if len(found) > 1:
@@ -70,7 +70,7 @@ def names_legal(fmu: FmuArchive) -> Iterator[str]:
     found = require_description(fmu)
     structured = found.attributes.get("variableNamingConvention", "flat") == "structured"
     for variable in found.variables:
-        for name in (variable.name, *variable.aliases):
+        for name in variable.names:
             if not name or re.search(r"[\r\n\t]", name):
                 yield f"{name!r} (line {variable.line}): expected a name without line breaks and tabs"
             elif structured and not _STRUCTURED.fullmatch(name):
@@ -85,18 +85,80 @@ def names_legal(fmu: FmuArchive) -> Iterator[str]:
 )
 def references(fmu: FmuArchive) -> Iterator[str]:
     found = require_description(fmu)
-    sets = defaultdict(list)
-    for variable in found.variables:
-        base = "Integer" if found.fmi_major == 2 and variable.type == "Enumeration" else variable.type
-        sets[variable.reference, base if found.fmi_major == 2 else ""].append(variable)
-    for (reference, _), variables in sets.items():
-        if found.fmi_major == 3 and len(variables) > 1:
-            names = ", ".join(map(str, variables))
+    if found.fmi_major == 3:
+        times = Counter(v.reference for v in found.variables)
+        for reference in (reference for reference, count in times.items() if count > 1):
+            names = ", ".join(str(v) for v in found.variables if v.reference == reference)
             yield f"value reference {reference}: expected one variable, got {names}"
-        settable = [v for v in variables if v.causality in ("input", "parameter")]
-        if found.fmi_major == 2 and len(settable) > 1:
+        return
+    for variables in _alias_sets(found):
+        settable = list(filter(_is_settable, variables))
+        if len(settable) > 1:
             names = ", ".join(map(str, settable))
-            yield f"value reference {reference}: expected at most one of the aliases to be settable, got {names}"
+            expected = "expected at most one of the aliases to be settable"
+            yield f"value reference {variables[0].reference}: {expected}, got {names}"
+
+
+@rule(
+    "variables.aliases",
+    "Aliases of one value agree in unit, constancy and start value; their display units exist",
+    clause="2.0 §2.2.7; 3.0 §2.4.7.3",
+    stage="description",
+)
+def aliases(fmu: FmuArchive) -> Iterator[str]:
+    found = require_description(fmu)
+    if found.fmi_major == 3:
+        if not any(v.aliases for v in found.variables):
+            raise NotApplicableError("no variable has an alias")
+        yield from _alias_unit_problems(found)
+        return
+    sets = [variables for variables in _alias_sets(found) if len(variables) > 1]
+    if not sets:
+        raise NotApplicableError("no variables share a value reference")
+    for variables in sets:
+        yield from (f"value reference {variables[0].reference}: {text}" for text in _alias_set_problems(variables))
+
+
+def _alias_unit_problems(found: RawDescription) -> Iterator[str]:
+    """Yield the aliases of FMI 3.0 whose display unit does not exist."""
+    units = {unit.name: unit.display_units for unit in found.units}
+    for v in found.variables:
+        for alias in v.aliases:
+            if alias.display_unit is not None and alias.display_unit not in units.get(v.unit or "", ()):
+                expected = f"a display unit of {v.unit}" if v.unit else "no display unit of a variable without a unit"
+                yield f"{v}, alias {alias.name}: expected {expected}, got {alias.display_unit}"
+
+
+def _alias_sets(found: RawDescription) -> list[list[RawVariable]]:
+    """Return the variables of FMI 2.0 by their value: those of one reference and one type of access function."""
+    sets = defaultdict(list)
+    for v in found.variables:
+        sets[v.reference, "Integer" if v.type == "Enumeration" else v.type].append(v)
+    return list(sets.values())
+
+
+def _is_settable(v: RawVariable) -> bool:
+    return v.causality in ("input", "parameter")
+
+
+def _alias_set_problems(variables: list[RawVariable]) -> Iterator[str]:
+    units = {v.unit for v in variables}
+    if len(units) > 1:
+        yield f"expected one unit of all aliases, got {_each(variables, [v.unit or 'none' for v in variables])}"
+    constant = [v for v in variables if v.variability == "constant"]
+    if constant and len(constant) < len(variables):
+        yield f"expected all aliases to be constant or none, got {_each(variables, [v.variability for v in variables])}"
+    started = [v for v in variables if v.start is not None]
+    if len(constant) == len(variables):
+        if len({v.start for v in started}) > 1:
+            starts = [" ".join(v.start or ()) for v in started]
+            yield f"expected one start value of constants, got {_each(started, starts)}"
+    elif len(started) > 1 and sum(map(_is_settable, variables)) < 2:  # else see variables.references
+        yield f"expected a start value of one alias at most, got those of {', '.join(map(str, started))}"
+
+
+def _each(variables: list[RawVariable], values: list[str]) -> str:
+    return ", ".join(f"{v}: {value}" for v, value in zip(variables, values, strict=True))
 
 
 @rule(
@@ -235,6 +297,27 @@ def units(fmu: FmuArchive) -> Iterator[str]:
             yield f"{v}: expected a unit with the display unit {v.display_unit}, got none"
         elif v.display_unit is not None and v.unit in declared and v.display_unit not in declared[v.unit].display_units:
             yield f"{v}: expected a display unit of {v.unit}, got {v.display_unit}, which does not exist"
+
+
+@rule(
+    "variables.relative-quantities",
+    "A relative quantity has a unit, and its variable and declared type agree on it",
+    stage="description",
+    severity="warning",
+)
+def relative_quantities(fmu: FmuArchive) -> Iterator[str]:
+    found = require_description(fmu)
+    what = "relativeQuantity"
+    relative = [v for v in found.variables if v.type in FLOATS and found.attribute(v, what) is not None]
+    if not relative:
+        raise NotApplicableError("no variable is declared as a relative quantity or not")
+    declared = {t.name: t.attributes.get(what) for t in found.types}
+    for v in relative:
+        own, of_type = v.attributes.get(what), declared.get(v.declared_type or "")
+        if own is not None and of_type is not None and is_true(own) != is_true(of_type):
+            yield f"{v}: expected {what} {of_type} of its type {v.declared_type}, got {own}"
+        if is_true(found.attribute(v, what)) and v.unit is None:
+            yield f"{v}: expected a unit with {what}, got none"
 
 
 @rule(

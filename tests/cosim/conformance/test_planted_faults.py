@@ -43,6 +43,24 @@ def replaced(change: tuple[str, ...]) -> Callable[[str], str]:
 
 # ---- descriptions ----------------------------------------------------------------------------------------------------
 
+ONE_MORE = "</ModelVariables>"
+TICK = f'<Clock name="tick" valueReference="50" causality="input" intervalVariability="constant" {{}}/>{ONE_MORE}'
+EVENTS = ("canHandleVariable", 'hasEventMode="true" canHandleVariable')
+L_3 = '<TypeDefinitions><Float64Type name="L" unit="m" relativeQuantity="true"/></TypeDefinitions><LogCategories>'
+
+
+def scalar(reference: int, attributes: str, start: str = "") -> str:
+    """Return a real variable of FMI 2.0, at the end of the variables."""
+    variable = f'<ScalarVariable name="c{start}" valueReference="{reference}" {attributes}>'
+    value = f'start="{start}"' if start else ""
+    return f"{variable}<Real {value}/></ScalarVariable>{ONE_MORE}"
+
+
+def clock(attributes: str, old: str = "") -> str:
+    """Return a clock of FMI 3.0, at the end of the variables; a periodic one of 0.1 s with other attributes."""
+    return TICK.format(attributes) if not old else TICK.format('intervalDecimal="0.1"').replace(old, attributes)
+
+
 DESCRIPTIONS = [
     # rule, model, FMI, text and replacement in pairs, part of the message
     ("description.readable", "stair", 2, ("</fmiModelDescription>", ""), "well-formed XML"),
@@ -146,6 +164,204 @@ DESCRIPTIONS = [
         ('derivative="1"', 'derivative="2"', 'Reference="2" dependencies="1"', 'Reference="2"'),
         "got its own",
     ),
+    (
+        "description.date",
+        "stair",
+        2,
+        ("<fmiModelDescription", '<fmiModelDescription generationDateAndTime="2026-01-31T12:00:00"'),
+        "like 2026-01-31T12:00:00Z, got 2026-01-31T12:00:00",
+    ),
+    (
+        "description.date",
+        "stair",
+        3,
+        ("<fmiModelDescription", '<fmiModelDescription generationDateAndTime="2026-01-31T12:00:00+01:00"'),
+        "got 2026-01-31T12:00:00+01:00",
+    ),
+    (
+        "description.schema",
+        "stair",
+        3,
+        ("<fmiModelDescription", '<fmiModelDescription generationDateAndTime="yesterday"'),
+        "yesterday",
+    ),
+    (
+        "variables.names-unique",
+        "dahlquist",
+        3,
+        ('unit="m" start="1"/>', 'start="1"><Alias name="k"/></Float64>'),
+        "k: ",
+    ),
+    (
+        "variables.aliases",
+        "dahlquist",
+        3,
+        ('unit="m" start="1"/>', 'unit="m" start="1"><Alias name="y" displayUnit="ell"/></Float64>'),
+        "x (line 13), alias y: expected a display unit of m, got ell",
+    ),
+    (
+        "variables.aliases",
+        "dahlquist",
+        3,
+        ('start="0"/>', 'start="0"><Alias name="y" displayUnit="mm"/></Float64>'),
+        "without a unit, got mm",
+    ),
+    (
+        "variables.aliases",
+        "dahlquist",
+        2,
+        ('Reference="2"', 'Reference="1"'),
+        "one unit of all aliases, got x (line 13): m",
+    ),
+    ("variables.aliases", "dahlquist", 2, (ONE_MORE, scalar(1, "")), "c (line 17): none"),
+    (
+        "variables.aliases",
+        "feedthrough",
+        2,
+        (ONE_MORE, scalar(10, 'initial="approx"', "0")),
+        "a start value of one alias",
+    ),
+    ("variables.aliases", "feedthrough", 2, (ONE_MORE, scalar(11, 'variability="constant"', "0")), "constant or none"),
+    (
+        "variables.aliases",
+        "feedthrough",
+        2,
+        (
+            ONE_MORE,
+            scalar(30, 'variability="constant"', "1"),
+            ONE_MORE,
+            scalar(30, 'variability="constant"', "2"),
+        ),
+        "one start value of constants, got c1",
+    ),
+    (
+        "variables.relative-quantities",
+        "dahlquist",
+        2,
+        ('<Real start="0"/>', '<Real relativeQuantity="true" start="0"/>'),
+        "u (line 16): expected a unit with relativeQuantity, got none",
+    ),
+    (
+        "variables.relative-quantities",
+        "dahlquist",
+        3,
+        ("<LogCategories>", L_3, 'unit="m" start', 'declaredType="L" relativeQuantity="false" start'),
+        "expected relativeQuantity true of its type L, got false",
+    ),
+    ("description.schema", "stair", 3, ("<Int32 ", '<Int32 relativeQuantity="true" '), "relativeQuantity"),
+    ("arrays.dimensions", "feedthrough", 3, ('<Dimension start="2"/>', '<Dimension start="0"/>'), "at least 1, got 0"),
+    ("arrays.dimensions", "feedthrough", 3, ('<Dimension start="2"/>', "<Dimension/>"), "valueReference, got neither"),
+    (
+        "arrays.dimensions",
+        "feedthrough",
+        3,
+        ('<Dimension start="2"/>', '<Dimension start="2"/><Dimension start="2" valueReference="38"/>'),
+        "pair_out (line 31), dimension 2: expected either start or valueReference, got both",
+    ),
+    ("arrays.dimensions", "feedthrough", 3, ('n valueReference="38"', 'n valueReference="99"'), "a variable, got 99"),
+    ("arrays.dimensions", "feedthrough", 3, ('n valueReference="38"', 'n valueReference="4"'), "got real_tunable"),
+    (
+        "arrays.dimensions",
+        "feedthrough",
+        3,
+        ("<UInt64", "<UInt32"),
+        "expected a size of type UInt64, got size (line 33) of type UInt32",
+    ),
+    (
+        "arrays.dimensions",
+        "feedthrough",
+        3,
+        ('causality="structuralParameter"', 'causality="parameter"'),
+        "expected a structural parameter or a constant, got size (line 33), fixed parameter",
+    ),
+    (
+        "arrays.dimensions",
+        "feedthrough",
+        3,
+        ('start="3"/>', 'start="0"/>'),
+        "size (line 33) to start at 1 at least, got 0",
+    ),
+    (
+        "arrays.dimensions",
+        "feedthrough",
+        3,
+        ('start="3"/>', 'start="3"><Dimension start="1"/></UInt64>'),
+        "expected a structural parameter without dimensions, got 1",
+    ),
+    (
+        "arrays.start",
+        "feedthrough",
+        3,
+        ('start="1 2 3"', 'start="1 2"'),
+        "3 start values for 3 elements, or one for all",
+    ),
+    ("arrays.start", "feedthrough", 3, ('start="3"/>', 'start="4"/>'), "4 start values for 4 elements, or one for all"),
+    ("clocks.event-mode", "stair", 3, (ONE_MORE, clock('intervalDecimal="0.1"')), "got tick"),
+    (
+        "clocks.attributes",
+        "stair",
+        3,
+        (ONE_MORE, clock(""), *EVENTS),
+        "intervalCounter of a periodic clock, got neither",
+    ),
+    (
+        "clocks.attributes",
+        "stair",
+        3,
+        (ONE_MORE, clock('intervalDecimal="0"'), *EVENTS),
+        "intervalDecimal above 0, got 0",
+    ),
+    (
+        "clocks.attributes",
+        "stair",
+        3,
+        (ONE_MORE, clock('intervalDecimal="0.1" shiftDecimal="-1"'), *EVENTS),
+        "shiftDecimal of at least 0, got -1",
+    ),
+    (
+        "clocks.attributes",
+        "stair",
+        3,
+        (ONE_MORE, clock('intervalCounter="1" supportsFraction="true"'), *EVENTS),
+        "a resolution with intervalCounter",
+    ),
+    (
+        "clocks.attributes",
+        "stair",
+        3,
+        (ONE_MORE, clock('intervalCounter="1" resolution="10"'), *EVENTS),
+        "supportsFraction with intervalCounter",
+    ),
+    (
+        "clocks.attributes",
+        "stair",
+        3,
+        (ONE_MORE, clock('"triggered"', '"constant"'), *EVENTS),
+        "expected intervalDecimal of periodic clocks only, got triggered",
+    ),
+    ("clocks.attributes", "stair", 3, (ONE_MORE, clock('"parameter"', '"input"'), *EVENTS), "input or output or local"),
+    (
+        "clocks.attributes",
+        "stair",
+        3,
+        (ONE_MORE, clock('"constant" variability="continuous"', '"constant"'), *EVENTS),
+        "expected variability discrete or tunable",
+    ),
+    (
+        "clocks.references",
+        "feedthrough",
+        3,
+        ('Reference="12"', 'Reference="12" clocks="10"'),
+        "expected clocks of type Clock, got real_in (line 11) of type Float64",
+    ),
+    ("clocks.references", "feedthrough", 3, ('Reference="12"', 'Reference="12" clocks="99"'), "got value reference 99"),
+    (
+        "clocks.references",
+        "feedthrough",
+        3,
+        ('Reference="10"', 'Reference="10" clocks="50"', ONE_MORE, clock('intervalDecimal="1"'), *EVENTS),
+        "expected a discrete or tunable variable with clocks, got continuous",
+    ),
     ("structure.references", "dahlquist", 2, ('dependencies="2"', 'dependencies="77"'), "existing variables, got 77"),
     (
         "structure.references",
@@ -206,6 +422,51 @@ DESCRIPTIONS = [
 ]
 
 
+CLEAN = [
+    # model, FMI, text and replacement in pairs
+    ("stair", 2, ("<fmiModelDescription", '<fmiModelDescription generationDateAndTime="2026-01-31T12:00:00Z"')),
+    ("dahlquist", 3, ('unit="m" start="1"/>', 'unit="m" start="1"><Alias name="y" displayUnit="mm"/></Float64>')),
+    ("dahlquist", 3, ('start="0"/>', 'start="0"><Alias name="y"/><Alias name="z"/></Float64>')),
+    ("feedthrough", 2, (ONE_MORE, scalar(11, ""))),
+    ("feedthrough", 2, (ONE_MORE, scalar(10, ""))),
+    ("feedthrough", 2, (ONE_MORE, scalar(14, ""))),  # a reference of an integer
+    ("dahlquist", 2, ('unit="m" start', 'unit="m" relativeQuantity="true" start')),
+    ("dahlquist", 3, ("<LogCategories>", L_3, 'unit="m" start', 'declaredType="L" start')),
+    ("feedthrough", 3, ('start="1 2 3"', 'start="1"')),
+    ("feedthrough", 3, ('<Dimension start="2"/>', '<Dimension start="1"/><Dimension valueReference="38"/>')),
+    ("feedthrough", 3, ('causality="structuralParameter" variability="fixed"', 'variability="constant"')),
+    ("stair", 3, (ONE_MORE, clock('intervalDecimal="0.1" shiftDecimal="0.5"'), *EVENTS)),
+    ("stair", 3, (ONE_MORE, clock('intervalCounter="1" resolution="10" supportsFraction="true"'), *EVENTS)),
+    ("stair", 3, (ONE_MORE, clock('"triggered"', '"constant" intervalDecimal="0.1"'), *EVENTS)),
+    (
+        "feedthrough",
+        3,
+        ('Reference="12"', 'Reference="12" clocks="50"', ONE_MORE, clock('intervalDecimal="1"'), *EVENTS),
+    ),
+    # FMI 3.0, unlike 2.0: derivatives and outputs may depend on parameters
+    ("dahlquist", 3, ('Reference="2" dependencies="1"', 'Reference="2" dependencies="1 3"')),
+    (
+        "feedthrough",
+        3,
+        ('<Output valueReference="11" dependencies="10"', '<Output valueReference="11" dependencies="10 5"'),
+    ),
+    # lists as XML schema has them
+    (
+        "dahlquist",
+        2,
+        ('dependencies="2 4"', 'dependencies="  2 &#10; 4&#9;" dependenciesKind=" dependent   dependent "'),
+    ),
+    ("dahlquist", 3, ('dependencies="1 3"', 'dependencies="\n1   3 "')),
+    ("dahlquist", 2, ('dependencies=""', 'dependencies="  "')),
+    ("dahlquist", 3, ('dependencies=""', 'dependencies=" &#9; "')),
+]
+
+
+@pytest.mark.parametrize(("model", "fmi", "change"), CLEAN)
+def test_no_fault_in_the_description(reference_fmus: ReferenceFmus, model: str, fmi: int, change: tuple[str, ...]):
+    assert found_in(reference_fmus.make(model, fmi, xml=replaced(change))) == {}
+
+
 @pytest.mark.parametrize(("rule", "model", "fmi", "change", "message"), DESCRIPTIONS)
 def test_fault_in_the_description(
     reference_fmus: ReferenceFmus, rule: str, model: str, fmi: int, change: tuple[str, ...], message: str
@@ -249,6 +510,9 @@ def _other_machine(library: bytes) -> bytes:
 BUILD = b"""<fmiBuildDescription fmiVersion="3.0"><BuildConfiguration modelIdentifier="reference"><SourceFileSet>
 <SourceFile name="gone.c"/></SourceFileSet></BuildConfiguration></fmiBuildDescription>"""
 
+PE = b"MZ" + bytes(58) + (64).to_bytes(4, "little") + b"PE\0\0\x64\x86" + bytes(100)
+"""Headers of a DLL for x86_64."""
+
 ARCHIVES = [
     ("archive.paths", 2, _with("resources/../../evil.txt"), "inside the archive"),
     ("archive.paths", 2, _with("/etc/evil"), "inside the archive"),
@@ -262,6 +526,9 @@ ARCHIVES = [
     ("archive.platforms", 3, _moved(fmpy.platform_tuple, fmpy.platform), "got one of FMI 2.0"),
     ("archive.platforms", 2, _moved(f"/{fmpy.platform}/", f"/{fmpy.platform_tuple}/"), "got a name of FMI 3.0"),
     ("archive.binaries", 2, _moved(f"reference{SUFFIX}", f"Reference{SUFFIX}"), f"expected reference{SUFFIX}"),
+    ("archive.binaries", 2, _with("binaries/win64/Reference.dll", PE), "expected reference.dll, got Reference.dll"),
+    ("archive.binaries", 3, _with("binaries/x86_64-windows/other.dll", PE), "expected reference.dll, got other.dll"),
+    ("archive.machine", 2, _with("binaries/win64/reference.dll", PE.replace(b"\x64\x86", b"\x4c\x01")), "got PE x86"),
     ("archive.machine", 2, _library(_other_machine), "expected a library for ELF"),
     ("archive.machine", 3, _library(lambda _: b"MZ" + bytes(100)), "got another kind of file"),
     ("archive.sources", 3, _with("sources/model.c"), "expected a buildDescription.xml"),
@@ -288,6 +555,37 @@ def test_sources_may_be_listed_in_any_notation(reference_fmus: ReferenceFmus):
     assert list(found_in(reference_fmus.make("stair", xml=replaced(change), archive=_with("sources/pool.c")))) == [
         "archive.sources"
     ]
+
+
+@pytest.mark.parametrize(("name", "severity"), [("REFERENCE.dll", "warning"), ("other.dll", "error")])
+def test_windows_finds_a_library_by_any_capitals(reference_fmus: ReferenceFmus, name: str, severity: str):
+    found = validate(reference_fmus.make("stair", archive=_with(f"binaries/win64/{name}", PE)), only=FILES_ONLY)
+    assert [(f.rule, f.severity) for f in found.findings] == [("archive.binaries", severity)]
+    linux = reference_fmus.make("stair", archive=_moved(f"reference{SUFFIX}", f"Reference{SUFFIX}"))
+    assert [f.severity for f in validate(linux, only=FILES_ONLY).findings] == ["error"]
+
+
+def test_a_library_found_by_other_capitals_is_for_its_machine(reference_fmus: ReferenceFmus):
+    wrong = _with("binaries/win64/REFERENCE.dll", b"MZ" + bytes(100))
+    found = validate(reference_fmus.make("stair", archive=wrong), only=FILES_ONLY)
+    assert [(f.rule, f.severity) for f in found.findings] == [
+        ("archive.binaries", "warning"),
+        ("archive.machine", "error"),
+    ]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("binaries", [True, False])
+def test_missing_sources_matter_without_binaries_only(reference_fmus: ReferenceFmus, fmi: int, binaries: bool):
+    def archive(members: Members) -> Members:
+        kept = members if binaries else _without_binaries(members)
+        return kept | {"sources/other.c": b"", **({"sources/buildDescription.xml": BUILD} if fmi == 3 else {})}
+
+    files = '<SourceFiles><File name="gone.c"/></SourceFiles></CoSimulation>'
+    state = 'canSerializeFMUstate="true"'
+    xml = replaced((f"{state}/>", f"{state}>{files}")) if fmi == 2 else replaced(())
+    found = validate(reference_fmus.make("stair", fmi, xml=xml, archive=archive), only=FILES_ONLY).findings
+    assert [(f.rule, f.severity) for f in found] == [("archive.sources", "warning" if binaries else "error")]
 
 
 def rewritten(path: Path, change: Callable[[zipfile.ZipFile, zipfile.ZipFile], None]) -> Path:
@@ -381,6 +679,9 @@ BEHAVIOUR = [
     ("lifecycle.call-order", "dahlquist", 2, "order", "a step before the initialization: expected an error, got ok"),
     ("lifecycle.call-order", "dahlquist", 3, "order_crash", "ended by signal"),
     ("lifecycle.fixed", "dahlquist", 2, "fixed", "the FMU accepted k"),
+    ("arrays.access", "feedthrough", 3, "array_order", "read together with other variables: gains: expected [1.0, 2.0"),
+    ("arrays.access", "feedthrough", 3, "array_first", "expected [0.0, 1.0, 2.0] as written, got [0.0, 2.0, 3.0]"),
+    ("arrays.access", "feedthrough", 3, "array_past", "was written: real_bounded: expected 2.0, got 3.0"),
     ("steps.inputs", "dahlquist", 2, "input", "u (line 16): expected ("),
     ("steps.deterministic", "dahlquist", 3, "random", "in a second run: at t = 0.1 s: x"),
     ("steps.time", "dahlquist", 2, "time", "expected time (line 12) to be 0.1 s, got 0.05 s"),
@@ -418,9 +719,56 @@ def test_fault_in_the_library(
 def test_a_hang_is_a_finding(reference_fmus: ReferenceFmus, runner: RuleRunner):
     found = validate(reference_fmus.make("dahlquist", 2, "hang"), runner=runner, time_limit=0.5)
     assert [(f.rule, f.message) for f in found.findings] == [
-        ("lifecycle.sequence", "expected an end within 0.5 s, the FMU hung")
+        (
+            "lifecycle.sequence",
+            "expected an end within 0.5 s, got none: the FMU hangs, or is slow and needs a longer --time-limit",
+        )
     ]
     assert found.outcomes["lifecycle.reset"].not_applicable == "see lifecycle.sequence"
+
+
+ONCE = replaced(("<CoSimulation", '<CoSimulation canBeInstantiatedOnlyOncePerProcess="true"'))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(
+    ("fault", "severity", "message"),
+    [
+        ("none", "warning", "expected no second instance"),
+        ("once_crash", "error", "ended by signal 6 (SIGABRT)"),
+        ("once_reset", "error", "after a second instance was requested: at t = 0.2 s: x: expected"),
+    ],
+)
+def test_an_fmu_of_one_instance(
+    reference_fmus: ReferenceFmus, runner: RuleRunner, fmi: int, fault: str, severity: str, message: str
+):
+    found = validate(reference_fmus.make(fmi=fmi, fault=fault, xml=ONCE), runner=runner, skip=["side_effects.memory"])
+    assert [(f.rule, f.severity) for f in found.findings] == [("lifecycle.once", severity)]
+    assert message in found.findings[0].message
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_of_one_instance_that_refuses_a_second_one(reference_fmus: ReferenceFmus, runner: RuleRunner, fmi: int):
+    found = validate(reference_fmus.make(fmi=fmi, fault="once", xml=ONCE), runner=runner)
+    assert found.findings == []
+    assert found.outcomes["lifecycle.once"].verdict == "passed"
+    assert "only once" in found.outcomes["lifecycle.instances"].not_applicable
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_that_refuses_instances_without_saying_so(reference_fmus: ReferenceFmus, runner: RuleRunner, fmi: int):
+    found = validate(reference_fmus.make(fmi=fmi, fault="once"), runner=runner)
+    assert [f.rule for f in found.findings] == ["lifecycle.instances"]
+    assert found.findings[0].message.endswith("got none (FMU message: no licence)")
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_licence_for_some_instances_is_no_leak(reference_fmus: ReferenceFmus, runner: RuleRunner, fmi: int):
+    found = validate(reference_fmus.make(fmi=fmi, fault="licence"), runner=runner)
+    assert found.findings == []
+    reason = found.outcomes["side_effects.memory"].not_applicable
+    assert reason.startswith("too few instances for a measurement: instance 51: expected an instance with")
+    assert reason.endswith("(FMU message: no licence)")
 
 
 def test_the_end_of_the_server_is_an_error(reference_fmus: ReferenceFmus):
@@ -483,5 +831,5 @@ def test_other_start_values_in_the_description_than_in_the_library(
 def test_every_rule_finds_a_planted_fault():
     planted = {case[0] for cases in (DESCRIPTIONS, ARCHIVES, BEHAVIOUR) for case in cases}
     planted |= {"archive.readable", "archive.kinds", "archive.compression", "archive.size", "description.interface"}
-    planted |= {"binary.loads", "binary.symbols", "lifecycle.instantiate", "lifecycle.start-values"}
+    planted |= {"binary.loads", "binary.symbols", "lifecycle.instantiate", "lifecycle.start-values", "lifecycle.once"}
     assert set(load_rules()) - planted == {"fmpy_check.fmpy"}  # no fault is known that only fmpy finds
