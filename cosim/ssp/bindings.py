@@ -72,7 +72,7 @@ class Bindings:
             if given.is_structural == structural:
                 with self._nodes.collected(), prefixed(given.where):
                     elements = structure.elements(ref, sizes)
-                    if structure.feeding(ref) is None:
+                    if structure.feeding(ref, sizes) is None:
                         value = check_value(structure.models[ref.component], elements, ref.component, given.quantity)
                         structure.parameters[str(ref)] = value
 
