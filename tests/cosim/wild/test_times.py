@@ -137,7 +137,7 @@ def test_a_run_that_begins_elsewhere_says_so(tmp_path: Path, version: int):
     assert "a: its default experiment starts at 100 s, the run at 0 s" in result.warnings
 
 
-def test_start_times_that_differ_are_told_for_each(tmp_path: Path, strict: dict[int, Path]):
+def test_start_times_that_differ_are_reported_for_each(tmp_path: Path, strict: dict[int, Path]):
     system = with_experiment(tmp_path, 2, 'startTime="1" stopTime="5"')
     model = Wild(STRICT.variables, STRICT.calculate, experiment='startTime="2" stopTime="5"')
     (tmp_path / "b").mkdir()
