@@ -60,7 +60,7 @@ static void trace(const Faulty *instance, const char *call)
     const char *path = getenv("FAULTY_TRACE");
     FILE *file = path ? fopen(path, "a") : NULL;
     if (file) {
-        fprintf(file, "%s %s\n", instance->name, call);
+        fprintf(file, "%s %s\n", instance ? instance->name : "library", call);
         fclose(file);
     }
 }
@@ -105,7 +105,8 @@ static Status strike(const Faulty *instance, int where)
             puts("hello from C\nand more");
         break;
     case sleeps:
-        sleep(60);
+        trace(instance, "sleeps");
+        sleep(3600);
         break;
     case segfault:
         raise(SIGSEGV);

@@ -363,11 +363,13 @@ def test_an_isolated_process_ends_when_its_parent_is_killed_also_in_the_middle_o
     environment = {**os.environ, "TMPDIR": str(tmp_path)}  # who is killed leaves a folder behind
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen(command, env=environment, text=True, **pipes) as parent:
-        child = int(parent.stdout.readline())
-        if what == "sleeps":
-            wait_until(lambda: hangs(trace))
-        assert alive(child)
-        parent.kill()
+        try:
+            child = int(parent.stdout.readline())
+            if what == "sleeps":
+                wait_until(lambda: hangs(trace))
+            assert alive(child)
+        finally:
+            parent.kill()
     wait_until(lambda: not alive(child))
 
 
