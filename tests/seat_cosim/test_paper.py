@@ -155,7 +155,7 @@ def test_table_1_has_the_start_values_and_marks_the_misprint(found: dict[str, Fi
 
 
 def test_the_document_has_the_numbers_found(found: dict[str, Finding]):
-    text = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "explanation" / "reproduction.md").read_text(encoding="utf-8")
     for _, rows in report.summary(list(found.values())):
         for entry, each in rows:
             unit = "" if each.unit == "1" else f" {each.unit}"
