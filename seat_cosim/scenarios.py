@@ -14,6 +14,7 @@ from cosim.errors import SetupError
 from cosim.fmi.description import Value
 from cosim.ssp import read_parameters
 from cosim.system import System
+from fmus import FLAVOURS
 from plant_models import parameter_sets
 
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
@@ -87,7 +88,8 @@ def seat_suspension(folder: Path) -> System:
     missing = [fmu for fmu in _FMUS.values() if not (folder / f"{fmu}.fmu").is_file()]
     if missing:
         raise SetupError(
-            f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; run: seat-cosim build"
+            f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; "
+            f"run: seat-cosim build{f' --flavour {folder.name}' if folder.name in FLAVOURS else ''}"
         )
     system = System()
     system.name = "SeatSuspension"

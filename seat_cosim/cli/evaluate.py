@@ -12,6 +12,7 @@ from rich.table import Table
 
 from cosim.engine.editing import edit
 from cosim.system import System
+from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, print_warnings, progress_shown
 from seat_cosim.cli.options import listed, replace_option, replacements
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
@@ -27,7 +28,7 @@ _DEFAULT = seat_signals()
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path), required=False, metavar="[FILE.ssp]")
+@click.argument("file", type=click.Path(path_type=Path), required=False, metavar="[FILE.ssp|NAME]")
 @click.option("--classes", metavar="EM1,EM3", help="Of ISO 7096 [default: all nine].")
 @click.option("--masses", metavar="KG,KG", help="Drivers [default: 45,55,70,80,100,120].")
 @click.option("--seeds", metavar="N,N", help="A run each [default: 1,2,3].")
@@ -104,6 +105,7 @@ def evaluate(
         "end_stop_travel": travel_parameter,
     }
     protocol = _protocol(**given)
+    file = system_file(file) if file else None
     system = System.load(file) if file else seat.system()
     edit(system, replacements(replace), (), ())
     system.parameters |= seat.parameters(system)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import traceback
 
 import click
 
 from cosim.errors import CosimError, SetupError
-from seat_cosim.cli.build import build, fmus
+from seat_cosim.cli.build import build
 from seat_cosim.cli.design import design
 from seat_cosim.cli.evaluate import evaluate
+from seat_cosim.cli.export import export, fmus
 from seat_cosim.cli.reproduce import reproduce
 from seat_cosim.cli.rerun import rerun
 from seat_cosim.cli.run import run
@@ -20,19 +22,21 @@ from seat_cosim.cli.validate import validate_command
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.version_option(package_name="seat-cosim")
-@click.option("--debug", is_flag=True, help="Show the traceback of an error; goes anywhere on the line.")
+@click.option(
+    "--debug", is_flag=True, help="Show which FMUs are used, and the traceback of an error; goes anywhere on the line."
+)
 def app(debug: bool) -> None:
     """Active seat suspension as FMI co-simulation components.
 
     \b
     Examples:
-      seat-cosim build
       seat-cosim run bump --driver-mass 70 --observer 1
+      seat-cosim simulate SeatSuspension --set shaker.bump.height=0.05
       seat-cosim reproduce
     """
 
 
-for command in (build, design, evaluate, fmus, reproduce, rerun, run, simulate, validate_command):
+for command in (build, design, evaluate, export, fmus, reproduce, rerun, run, simulate, validate_command):
     app.add_command(command)
 
 
@@ -43,6 +47,8 @@ def main() -> None:
     """
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
+    if debug:
+        _print_debug_messages()
     try:
         app.main(arguments, standalone_mode=False)
     except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt) as error:
@@ -52,6 +58,13 @@ def main() -> None:
         click.echo(message, err=True)
         sys.exit(code)
     sys.exit(0)
+
+
+def _print_debug_messages() -> None:
+    """Print what this package logs, for example which FMUs were chosen, to standard error."""
+    log = logging.getLogger("seat_cosim")
+    log.setLevel(logging.DEBUG)
+    log.addHandler(logging.StreamHandler())
 
 
 def _code_and_message(error: BaseException) -> tuple[int, str]:

@@ -14,7 +14,7 @@ from cosim.engine.structure import Structure
 from cosim.fmi.description import Value
 from cosim.system import System
 from fmus import FLAVOURS
-from seat_cosim import scenarios
+from seat_cosim import carried, scenarios
 from seat_cosim.cli.options import parameters_option, set_option, settings
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -50,9 +50,7 @@ _FMU_OPTIONS = (
         "--fmus",
         "fmus_folder",
         type=click.Path(path_type=Path),
-        default=Path("fmus"),
-        show_default=True,
-        help="Folder of the built FMUs; each flavour has its subfolder.",
+        help="Folder with a subfolder for the flavour [default: fmus where it has FMUs, else those of the package].",
     ),
 )
 
@@ -64,7 +62,8 @@ class SeatOptions:
     Attributes
     ----------
     flavour, fmus_folder
-        Flavour of the FMUs, and the folder that has a subfolder for it.
+        Flavour of the FMUs, and the folder that has a subfolder for it; where None, see
+        :func:`seat_cosim.carried.fmu_folder`.
     parameter_files
         Parameter sets, by name or file.
     gains
@@ -80,7 +79,7 @@ class SeatOptions:
     """
 
     flavour: str
-    fmus_folder: Path
+    fmus_folder: Path | None
     parameter_files: tuple[str, ...] = ()
     gains: str | None = None
     observer: str | None = None
@@ -90,7 +89,7 @@ class SeatOptions:
 
     def system(self) -> System:
         """Return the seat suspension of the chosen FMUs, with its default parameters."""
-        return scenarios.seat_suspension(self.fmus_folder / self.flavour)
+        return scenarios.seat_suspension(carried.fmu_folder(self.flavour, self.fmus_folder))
 
     def parameters(self, system: Structure) -> dict[str, Value]:
         """Return the parameters that the options set.

@@ -17,6 +17,7 @@ from cosim.errors import SetupError
 from cosim.run_folder import run_to_folder
 from cosim.system import System
 from cosim.units import Linear
+from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, print_outcome, progress_shown
 from seat_cosim.cli.options import (
     parameters_option,
@@ -31,7 +32,7 @@ from seat_cosim.scenarios import read_parameter_sets
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp")
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp|NAME")
 @replace_option
 @click.option(
     "--connect",
@@ -70,16 +71,19 @@ def simulate(
 ) -> None:
     """Run any system of FMUs (SSP 1.0); writes result.csv, a figure and run.json, which `rerun` takes.
 
+    SeatSuspension and SeatSuspension-fmi3 are names of this project's systems; anything else is a file.
+
     \b
     Examples:
-      seat-cosim simulate fmus/SeatSuspension.ssp --set seat.driver_mass=70
-      seat-cosim simulate fmus/SeatSuspension.ssp --algorithm jacobi --stop-time 5
-      seat-cosim simulate fmus/SeatSuspension.ssp --replace seat=fmus/fmi3/SeatPlant.fmu
-      seat-cosim simulate fmus/SeatSuspension.ssp --replace shaker=Cabin.fmu \\
+      seat-cosim simulate SeatSuspension --set seat.driver_mass=70 --set controller.driver_mass=70
+      seat-cosim simulate SeatSuspension --algorithm jacobi --stop-time 5
+      seat-cosim simulate SeatSuspension --replace seat=fmus/fmi3/SeatPlant.fmu
+      seat-cosim simulate SeatSuspension --replace shaker=Cabin.fmu \\
           --connect "0.001*shaker.z=seat.floor_displacement" --isolate shaker
     """
     from seat_cosim.overview import draw_system
 
+    file = system_file(file)
     system = System.load(file)
     edit(system, replacements(replace), disconnect, [_connection(text) for text in connect])
     system.parameters |= read_parameter_sets(parameter_files, system) | read_settings(settings)

@@ -507,25 +507,3 @@ def test_fmus_for_all_platforms_are_small_and_valid(everywhere: Path, flavour: s
 def test_builds_for_all_platforms_are_bit_identical(everywhere: Path, tmp_path: Path):
     built = build_native_fmu("fmi3", COMPONENTS[1], EXPERIMENT, tmp_path, tuple(PLATFORMS))
     assert built.path.read_bytes() == fmu(everywhere, "fmi3", COMPONENTS[1]).read_bytes()
-
-
-@pytest.mark.long
-def test_a_wheel_exports_the_fmus_without_a_compiler(everywhere: Path, tmp_path: Path):
-    project = tmp_path / "project"
-    kept = shutil.ignore_patterns(
-        ".git", ".venv", "results", "*.egg-info", ".*_cache", "fmi2", "fmi3", "python", "built"
-    )
-    shutil.copytree(ROOT, project, ignore=kept)
-    shutil.copytree(everywhere, project / "fmus" / "built")
-    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*pip, "wheel", "--no-deps", "--wheel-dir", tmp_path, project], check=True)
-    (wheel,) = tmp_path.glob("*.whl")
-    subprocess.run([*pip, "install", "--no-deps", "--target", tmp_path / "site", wheel], check=True)
-    script = "import sys; sys.path.insert(0, sys.argv.pop(1)); from seat_cosim.cli.main import main; main()"
-    command = [sys.executable, "-c", script, str(tmp_path / "site"), "fmus", "--export", "out"]
-    environment = {"PATH": "/nowhere", "PYTHONPATH": str(tmp_path / "site")}
-    subprocess.run(command, cwd=tmp_path, env=environment, check=True)
-    for flavour in NATIVE:
-        for component in COMPONENTS:
-            exported = fmu(tmp_path / "out", flavour, component)
-            assert exported.read_bytes() == fmu(everywhere, flavour, component).read_bytes()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ import pytest
 
 from cosim import Result, System
 from seat_controller_fmu.design.gains import preset
+from seat_cosim import carried
+from seat_cosim.scenarios import seat_suspension
 from tests.helpers.files import read_csv
 from tests.helpers.shell import Shell
 
@@ -230,20 +233,59 @@ def test_build_prints_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_pat
     assert "SeatSuspension.ssp" not in out
 
 
-def test_fmus_of_a_wheel_are_exported(shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    from fmus.export import fmu_file as archive
-
-    monkeypatch.setattr(archive, "CARRIED", tmp_path / "none")
-    code, _, err = shell("fmus", "--export", "out")
+@pytest.mark.parametrize("words", [("export", "out"), ("fmus", "--export", "out")])
+def test_what_the_package_carries_is_exported(
+    words: tuple[str, ...], shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path / "none", tmp_path / "none"))
+    code, _, err = shell(*words)
     assert code == 2
     assert "expected the FMUs of a wheel, got none; build them: seat-cosim build" in err
-    monkeypatch.setattr(archive, "CARRIED", native)
-    code, out, _ = shell("fmus", "--export", "out")
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path / "none", native))
+    code, out, _ = shell(*words)
     assert code == 0
     assert str(Path("out", "fmi3", "Shaker.fmu")) in out
     exported = tmp_path / "out" / "fmi2" / "SeatPlant.fmu"
     assert exported.read_bytes() == (native / "fmi2" / "SeatPlant.fmu").read_bytes()
     assert exported.with_name("SeatPlant_ref.csv").exists()
+    assert shell(*words)[0] == 0
+    (tmp_path / "out" / "examples" / "foreign" / "cabin.py").write_text("# mine\n")
+    code, _, err = shell(*words)
+    assert code == 2
+    assert "cabin.py: expected no other file of this name, got one; --force replaces it" in err
+    assert shell(*words, "--force")[0] == 0
+
+
+def test_fmus_here_win_over_those_of_the_package(
+    shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    for name in ("clone", "wheel", "fmus"):
+        (tmp_path / name / "fmi2").mkdir(parents=True)
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path / "clone", tmp_path / "wheel"))
+    found = []
+    for name in ("wheel", "clone", "fmus"):
+        shutil.copytree(native / "fmi2", tmp_path / name / "fmi2", dirs_exist_ok=True)
+        assert shell("run", "bump", "--stop-time", "0.1", "--output", name + "-run", fmus=False)[0] == 0
+        run = json.loads((tmp_path / f"{name}-run" / "run.json").read_text())
+        found.append(run["components"]["seat"]["fmu"])
+    assert found == [
+        f"{tmp_path}/wheel/fmi2/SeatPlant.fmu",
+        f"{tmp_path}/clone/fmi2/SeatPlant.fmu",
+        "fmus/fmi2/SeatPlant.fmu",
+    ]
+
+
+def test_a_system_of_this_project_has_a_name(
+    shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path, tmp_path / "none"))
+    code, _, err = shell("simulate", "SeatSuspension")
+    assert code == 2
+    assert "system SeatSuspension: expected a system in fmus (run: seat-cosim build), got no such file" in err
+    seat_suspension(native / "fmi3").save(tmp_path / "SeatSuspension-fmi3.ssp")
+    assert shell("simulate", "SeatSuspension-fmi3", "--stop-time", "0.1")[0] == 0
+    code, _, err = shell("simulate", "SeatSuspensoin")
+    assert (code, "did you mean SeatSuspension-fmi3?" in err) == (2, True)
 
 
 def test_run_writes_the_chosen_formats_and_every_nth_row(shell: Shell, tmp_path: Path):
@@ -257,7 +299,9 @@ def test_run_writes_the_chosen_formats_and_every_nth_row(shell: Shell, tmp_path:
     assert not (tmp_path / "here" / "result.mf4").exists()
 
 
-@pytest.mark.parametrize("command", [[], ["build"], ["fmus"], ["run"], ["reproduce"], ["rerun"], ["design"]])
+@pytest.mark.parametrize(
+    "command", [[], ["build"], ["export"], ["fmus"], ["run"], ["reproduce"], ["rerun"], ["design"]]
+)
 def test_help_has_an_example(shell: Shell, command: list[str]):
     code, out, _ = shell(*command, "--help", fmus=False)
     assert code == 0
