@@ -18,6 +18,7 @@ from seat_cosim.cli.options import listed, replace_option, replacements
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
 from seat_cosim.evaluation.seat import PASSIVE_NOTE, passive_seat, seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
+from seat_cosim.plausibility import explained
 from seat_cosim.scenarios import read_parameter_sets
 
 if TYPE_CHECKING:  # the metrics take long to load
@@ -130,7 +131,7 @@ def evaluate(
         )
     for evaluation in evaluations:
         console.print(_table(evaluation, protocol))
-    print_warnings(evaluations[0].warnings)
+    print_warnings(explained(evaluations[0].warnings, seat.gains))
     console.print(f"{verdict(evaluations[0])}.")
     for note in notes:
         console.print(f"- {note}", markup=False)

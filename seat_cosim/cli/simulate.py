@@ -18,7 +18,7 @@ from cosim.run_folder import run_to_folder
 from cosim.system import System
 from cosim.units import Linear
 from seat_cosim.carried import system_file
-from seat_cosim.cli.console import command_line, console, print_outcome, progress_shown
+from seat_cosim.cli.console import command_line, console, progress_shown
 from seat_cosim.cli.options import (
     parameters_option,
     replace_option,
@@ -28,6 +28,8 @@ from seat_cosim.cli.options import (
     set_option,
 )
 from seat_cosim.cli.options import settings as read_settings
+from seat_cosim.cli.outcome import OutputOptions, output_options, print_run, simulated
+from seat_cosim.plausibility import notes_before
 from seat_cosim.scenarios import read_parameter_sets
 
 
@@ -50,6 +52,7 @@ from seat_cosim.scenarios import read_parameter_sets
 @click.option("--order", metavar="A,B,C", help="In which components step [default: the system's, else a proposal]")
 @click.option("--record", multiple=True, metavar="A.x", help="Record this output [default: all]; repeatable.")
 @run_options
+@output_options
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.ssp", help="Write the system as it is run.")
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/simulate/NAME].")
 def simulate(
@@ -84,6 +87,7 @@ def simulate(
     from seat_cosim.overview import draw_system
 
     file = system_file(file)
+    shown = OutputOptions(how.pop("quiet"), how.pop("as_json"))
     system = System.load(file)
     edit(system, replacements(replace), disconnect, [_connection(text) for text in connect])
     system.parameters |= read_parameter_sets(parameter_files, system) | read_settings(settings)
@@ -96,18 +100,19 @@ def simulate(
     system.validate(record=record or None)
     if save:
         system.save(save)
-    _print_exchange(system)
+    if shown.prints_text:
+        _print_exchange(system)
+    notes = notes_before(system, {})
     folder = output or Path("results", "simulate", file.stem)
     with progress_shown(f"running {file.name}") as report:
         options = RunOptions(
             record=record or None, progress=lambda time: report(f"{time:.1f} of {system.stop_time:g} s"), **how
         )
         result = run_to_folder(system, folder, options, command=command_line())
-    print_outcome(result)
     draw_system(folder / "overview.png", system, result, record)
-    if how["real_time"]:
+    if how["real_time"] and shown.prints_text:
         console.print(f"{result.missed_deadlines} deadlines missed, the worst by {result.worst_lateness * 1e3:.1f} ms")
-    console.print(f"{len(result.time)} rows and figure in {folder}", soft_wrap=True)
+    print_run(simulated(system, folder, result, notes), shown)
 
 
 def _connection(text: str) -> tuple[str, Linear, str]:
