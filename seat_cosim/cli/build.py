@@ -10,6 +10,7 @@ from rich.table import Table
 from cosim.errors import RunError, SetupError
 from fmus import FLAVOURS
 from seat_cosim.cli.console import console, progress_shown
+from seat_cosim.cli.effect import refuse_without_effect
 
 
 @click.command()
@@ -34,6 +35,8 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
     chosen = tuple(PLATFORMS) if platforms == "all" else tuple(filter(None, platforms.split(",")))
     if unknown := [name for name in chosen if name not in PLATFORMS]:
         raise SetupError(f"--platforms {platforms}: expected all or names of {', '.join(PLATFORMS)}, got {unknown[0]}")
+    if flavour == ("python",):
+        refuse_without_effect(["platforms"], "--flavour python", "an FMU in Python has no platform")
     table = Table("file", "size", "state", box=None)
     try:
         with progress_shown("building FMUs") as report:

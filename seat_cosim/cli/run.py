@@ -15,7 +15,8 @@ from cosim.results.result import Result
 from cosim.run_folder import run_to_folder
 from cosim.system import System
 from seat_cosim.cli.console import command_line, print_warnings, progress_shown
-from seat_cosim.cli.options import run_options
+from seat_cosim.cli.effect import refuse_without_effect
+from seat_cosim.cli.options import check_run_options, run_options
 from seat_cosim.cli.outcome import Outcome, OutputOptions, output_options, print_run
 from seat_cosim.cli.seat_options import OPTIONS, SeatOptions, seat_options
 from seat_cosim.plausibility import explained, notes_after, notes_before
@@ -66,6 +67,9 @@ def run(
     """
     from seat_cosim.overview import draw_scenario
 
+    check_run_options(how)
+    if seat.control == "passive":
+        refuse_without_effect(["compare"], "--control passive", "the ride is that of the passive seat already")
     chosen = SCENARIOS[scenario]
     stop_time = chosen.stop_time if stop_time is None else stop_time
     system = seat.system()

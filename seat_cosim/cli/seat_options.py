@@ -15,6 +15,7 @@ from cosim.fmi.description import Value
 from cosim.system import System
 from fmus import FLAVOURS
 from seat_cosim import carried, scenarios
+from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.options import parameters_option, set_option, settings
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -125,6 +126,19 @@ class SeatOptions:
         found |= settings(self.settings)
         return found
 
+    def check(self) -> None:
+        """Check that every option has an effect; to be called by a command.
+
+        Raises
+        ------
+        SetupError
+            If one has none beside the others.
+        """
+        if self.gains:
+            refuse_without_effect(["observer"], f"--gains {self.gains}", "gains have an observer of their own")
+        if self.control in ("off", "passive"):
+            refuse_without_effect(["gains", "observer"], f"--control {self.control}", "the controller gives no force")
+
     @property
     def choices(self) -> list[str]:
         """Names of what was chosen, for a title."""
@@ -148,7 +162,9 @@ def seat_options(*names: str) -> Callable[[Command], Command]:
         @functools.wraps(command)
         def with_seat(**arguments: Any) -> Any:
             given = {field.name: arguments.pop(field.name) for field in fields(SeatOptions) if field.name in arguments}
-            return command(seat=SeatOptions(**given), **arguments)
+            seat = SeatOptions(**given)
+            seat.check()
+            return command(seat=seat, **arguments)
 
         decorated: Any = with_seat
         for option in reversed([*(OPTIONS[name] for name in names), *_FMU_OPTIONS]):

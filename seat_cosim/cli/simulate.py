@@ -20,6 +20,7 @@ from cosim.units import Linear
 from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, progress_shown
 from seat_cosim.cli.options import (
+    check_run_options,
     parameters_option,
     replace_option,
     replacements,
@@ -87,6 +88,7 @@ def simulate(
     from seat_cosim.overview import draw_system
 
     file = system_file(file)
+    check_run_options(how)
     shown = OutputOptions(how.pop("quiet"), how.pop("as_json"))
     system = System.load(file)
     edit(system, replacements(replace), disconnect, [_connection(text) for text in connect])

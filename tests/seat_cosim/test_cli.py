@@ -7,12 +7,14 @@ import re
 import shutil
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 
 from cosim import Result, System
 from seat_controller_fmu.design.gains import preset
 from seat_cosim import carried
+from seat_cosim.cli.design import design
 from seat_cosim.scenarios import seat_suspension
 from tests.helpers.files import read_csv
 from tests.helpers.shell import Shell
@@ -108,15 +110,55 @@ def test_run_takes_gains_by_name_and_by_file(shell: Shell, tmp_path: Path):
     assert results["recommended"] == results["mine.json"] != results["published"]
 
 
-def test_observer_wins_over_the_gains(shell: Shell, tmp_path: Path):
-    for gains in ("published", "recommended"):
-        words = ("--gains", gains, "--set", "controller.K1.rate=-90", "--stop-time", "0.1", "--output", gains)
-        assert shell("run", "bump", "--observer", "2", *words)[0] == 0
-    tables = [read_csv(tmp_path / gains / "result.csv") for gains in ("published", "recommended")]
-    # both observers are made of Gamma_2 now: the same first estimate but for the mass range
-    first = [table["controller.disturbance_estimate"][1] for table in tables]
-    assert first[0] == pytest.approx(first[1], rel=0.05)
-    assert abs(first[0]) > 5.0
+@pytest.mark.parametrize(("number", "gamma"), [("1", "-3e-6"), ("2", "-1e-6")])
+def test_the_observer_is_that_of_gamma(shell: Shell, tmp_path: Path, number: str, gamma: str):
+    for name, words in (("named", ("--observer", number)), ("set", ("--set", f"controller.observer_gamma={gamma}"))):
+        assert shell("run", "bump", *words, "--stop-time", "0.4", "--output", name)[0] == 0
+    assert (tmp_path / "named" / "result.csv").read_bytes() == (tmp_path / "set" / "result.csv").read_bytes()
+
+
+NO_EFFECT = [
+    ("design --gains published --observer-gamma -1e-6", "--observer-gamma with --gains published"),
+    ("design --gains published --observer-rate -30", "--observer-rate with --gains published"),
+    ("design --gains published --observer-gains -4000 -3500", "--observer-gains with --gains published"),
+    ("design --gains published --driver-mass-min 40", "--driver-mass-min with --gains published"),
+    ("design --gains published --driver-mass-max 120", "--driver-mass-max with --gains published"),
+    ("design --gains published --objective lambda", "--objective with --gains published"),
+    ("design --gains published --follow 0.2", "--follow with --gains published"),
+    ("design --gains published --force-weight 2", "--force-weight with --gains published"),
+    ("design --gains published --alpha 0.1", "--alpha with --gains published"),
+    ("design --gains published --c0 2", "--c0 with --gains published"),
+    ("design --gains published --p2 2", "--p2 with --gains published"),
+    ("design --gains published --solver SCS", "--solver with --gains published"),
+    ("design --gains published --pareto", "--pareto or --no-pareto: expected with --output FOLDER"),
+    ("design --objective margin --follow 0.2", "--follow with --objective margin"),
+    ("design --objective lambda --force-weight 1", "--force-weight with --objective lambda"),
+    ("run bump --gains recommended --observer 2", "--observer with --gains recommended"),
+    ("run bump --gains published --observer 1", "--observer with --gains published"),
+    ("run bump --control off --gains recommended", "--gains with --control off"),
+    ("run bump --control passive --observer 2", "--observer with --control passive"),
+    ("run bump --control passive --compare passive", "--compare with --control passive"),
+    ("run bump --time-limit 3", "--time-limit 3: expected with --isolate COMPONENT"),
+    ("evaluate --gains recommended --observer 2", "--observer with --gains recommended"),
+    ("build --flavour python --platforms all", "--platforms with --flavour python"),
+    ("validate --list --strict", "--strict with --list"),
+    ("validate --list Some.fmu", "FILE.fmu with --list"),
+]
+
+
+@pytest.mark.parametrize(("line", "message"), NO_EFFECT)
+def test_an_option_without_effect_is_an_error_that_names_both(shell: Shell, tmp_path: Path, line: str, message: str):
+    code, out, err = shell(*line.split())
+    assert (code, out) == (2, "")
+    assert message in err
+    assert not list(tmp_path.rglob("*.*"))
+
+
+def test_every_option_of_a_design_counts_or_is_refused_with_given_gains():
+    """No option of `design` may be forgotten in the list above."""
+    used = {"--gains", "--lambda", "--output"}
+    options = {option.opts[0] for option in design.params if isinstance(option, click.Option)} - used
+    assert options == {message.split()[0] for line, message in NO_EFFECT if line.startswith("design --gains")}
 
 
 def test_design_certifies_a_preset(shell: Shell):
