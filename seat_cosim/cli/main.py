@@ -9,18 +9,28 @@ import traceback
 import click
 
 from cosim.errors import CosimError, SetupError
-from seat_cosim.cli.build import build
-from seat_cosim.cli.design import design
-from seat_cosim.cli.evaluate import evaluate
-from seat_cosim.cli.export import export, fmus
-from seat_cosim.cli.reproduce import reproduce
-from seat_cosim.cli.rerun import rerun
-from seat_cosim.cli.run import run
-from seat_cosim.cli.simulate import simulate
-from seat_cosim.cli.validate import validate_command
+from seat_cosim.cli.lazy_group import LazyGroup
+
+_CLI = "seat_cosim.cli"
+
+COMMANDS = {
+    "build": (f"{_CLI}.build", "build"),
+    "design": (f"{_CLI}.design", "design"),
+    "evaluate": (f"{_CLI}.evaluate", "evaluate"),
+    "export": (f"{_CLI}.export", "export"),
+    "fmus": (f"{_CLI}.export", "fmus"),
+    "reproduce": (f"{_CLI}.reproduce", "reproduce"),
+    "rerun": (f"{_CLI}.rerun", "rerun"),
+    "run": (f"{_CLI}.run", "run"),
+    "simulate": (f"{_CLI}.simulate", "simulate"),
+    "validate": (f"{_CLI}.validate", "validate_command"),
+}
+"""Command to its module and function; a module is loaded when its command runs."""
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.group(
+    cls=LazyGroup, modules=COMMANDS, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110}
+)
 @click.version_option(package_name="seat-cosim")
 @click.option(
     "--debug", is_flag=True, help="Show which FMUs are used, and the traceback of an error; goes anywhere on the line."
@@ -34,10 +44,6 @@ def app(debug: bool) -> None:
       seat-cosim simulate SeatSuspension --set shaker.bump.height=0.05
       seat-cosim reproduce
     """
-
-
-for command in (build, design, evaluate, export, fmus, reproduce, rerun, run, simulate, validate_command):
-    app.add_command(command)
 
 
 def main() -> None:
