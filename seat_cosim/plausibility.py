@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +16,8 @@ from cosim.engine.structure import Structure, VariableRef
 from cosim.fmi.description import Value
 from cosim.results.result import Result
 from cosim.units import IDENTITY
+from fmus.component import ParameterError
+from plant_models.shaker.recording import read
 from seat_controller_fmu.parameters import SAMPLE_TIME
 from seat_cosim.scenarios import driver_mass
 
@@ -28,6 +32,15 @@ MAX_FLOOR_ACCELERATION = 20.0
 
 MAX_ACCELERATION = 100.0
 """Largest acceleration of a driver or seat, in m/s2; ten times that of gravity."""
+
+MIN_RATE = 20.0
+"""Smallest number of rows per second of a recorded ride."""
+
+QUIET_FLOOR = 0.2
+"""RMS acceleration in m/s2 below which a recorded floor is quieter than a smooth road gives."""
+
+GRAVITY = 9.80665
+"""Acceleration of gravity in m/s2."""
 
 _FLOOR = ("seat.floor_displacement", "seat.floor_velocity", "seat.floor_acceleration")
 """Inputs that describe one motion: displacement and its derivatives."""
@@ -54,6 +67,7 @@ def notes_before(system: Structure, parameters: Mapping[str, Value], step_size: 
         *_step_notes(system, system.step_size if step_size is None else step_size),
         *_floor_notes(system),
         *_unit_notes(system),
+        *_recording_notes(system, parameters),
     ]
 
 
@@ -113,6 +127,52 @@ def _unit_notes(system: Structure) -> Iterator[str]:
             )
 
 
+def _recording_notes(system: Structure, parameters: Mapping[str, Value]) -> Iterator[str]:
+    """Yield notes on recordings that look as if they were in other units than s and m/s2."""
+    checked = system.check_parameters(parameters)
+    for name, model in system.models.items():
+        path = Path(str(checked[name].get("file.path", "")))
+        plays = model.description.modelName == "Shaker" and "profile" in checked[name]
+        if plays and path.is_absolute() and checked[name]["profile"] == model.value(name, "profile", "file"):
+            with suppress(ParameterError):  # the FMU says why it cannot be used
+                yield from recording_notes(str(path))
+
+
+def recording_notes(path: str) -> Iterator[str]:
+    """Yield what is doubtful about a recording.
+
+    Parameters
+    ----------
+    path
+        The CSV file.
+
+    Yields
+    ------
+    str
+        A note.
+
+    Raises
+    ------
+    ParameterError
+        If the file cannot be used.
+    """
+    recording = read(path)
+    values = np.array(recording.values)
+    step = float(np.median(np.diff(recording.times)))
+    if step > 1.0 / MIN_RATE:
+        yield (
+            f"{path}: a row every {step:g} s cannot hold a ride, which takes at least {MIN_RATE:g} rows per second: "
+            "is the time in ms?"
+        )
+    if recording.quantity != "acceleration":
+        return
+    root, mean = float(np.sqrt(np.mean(np.square(values)))), float(values.mean())
+    if 0.0 < root < QUIET_FLOOR:
+        yield f"{path}: an acceleration of {root:.2g} m/s2 RMS is less than a smooth road gives: is it in g?"
+    if abs(mean) > 0.5 * GRAVITY:
+        yield f"{path}: the acceleration has a mean of {mean:.3g} m/s2: does it contain gravity?"
+
+
 def notes_after(result: Result) -> list[str]:
     """List what is doubtful about the values of a run.
 
@@ -135,7 +195,7 @@ def notes_after(result: Result) -> list[str]:
     return notes
 
 
-def explained(warnings: Iterable[str], gains: str | None = None) -> list[str]:
+def explained(warnings: Iterable[str], gains: str | None = None, *, control: bool = True) -> list[str]:
     """Put warnings of drivers outside the gains' range into one line that says what helps.
 
     Parameters
@@ -144,6 +204,8 @@ def explained(warnings: Iterable[str], gains: str | None = None) -> list[str]:
         Warnings of the FMUs.
     gains
         Preset or file of the gains; the published ones where None.
+    control
+        Whether the controller is on; where it is off, its gains do not matter, and there is no such line.
 
     Returns
     -------
@@ -160,7 +222,7 @@ def explained(warnings: Iterable[str], gains: str | None = None) -> list[str]:
         else:
             drivers[found[0]] = None
             limits = found[1:]
-    if limits is None:
+    if limits is None or not control:
         return others
     masses = " and ".join(f"{mass:g}" for mass in drivers)
     line = (

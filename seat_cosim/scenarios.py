@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.engine.structure import Structure
-from cosim.errors import SetupError
+from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.description import Value
 from cosim.ssp import read_parameters
 from cosim.system import System
@@ -165,5 +165,12 @@ def read_parameter_sets(names_or_files: Iterable[str], system: Structure) -> dic
     """
     found: dict[str, Value] = {}
     for word in names_or_files:
-        found |= read_parameters(parameter_sets.path(word) if word in parameter_sets.NAMES else word, system)
+        if not Path(word).suffix and word not in parameter_sets.NAMES and not Path(word).expanduser().is_file():
+            sets = f"a file, or a set among {', '.join(parameter_sets.NAMES)}"
+            raise SetupError(
+                f"parameters {word}: expected {sets}, got no such file{did_you_mean(word, parameter_sets.NAMES)}"
+            )
+        found |= read_parameters(
+            parameter_sets.path(word) if word in parameter_sets.NAMES else Path(word).expanduser(), system
+        )
     return found

@@ -166,12 +166,15 @@ class Structure:
         ends = {"output": (source, self.variable(source)), "input": (sink, self.variable(sink))}
         between = f"connection {source} -> {sink}"
         problems = [
-            f"{between}: expected {ref} to be an {causality}, got a {variable.causality}"
+            f"{between}: expected {ref} to be an {causality}, got one of causality {variable.causality}"
             for causality, (ref, variable) in ends.items()
             if variable.causality != causality
         ]
         if sink in self.connections:
-            problems.append(f"{between}: expected a free input, got one that {self.connections[sink].source} feeds")
+            problems.append(
+                f"{between}: expected a free input, got one that {self.connections[sink].source} feeds; "
+                f"--disconnect {sink}, or System.disconnect, frees it"
+            )
         kinds = [KINDS[variable.type] for _, variable in ends.values()]
         if kinds[0] != kinds[1] or kinds[0] not in NUMERIC:
             types = " and ".join(variable.type for _, variable in ends.values())

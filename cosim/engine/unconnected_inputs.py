@@ -124,7 +124,10 @@ def _select(
     if len(available) == len(refs):
         return
     if not available:
-        resolved.problems.append(f"{name}: expected one of {', '.join(refs.values())} to be connected, got none")
+        resolved.problems.append(
+            f"{name}: expected one of {', '.join(refs.values())} to be connected, got none; "
+            f"for example: --connect COMPONENT.OUTPUT={next(iter(refs.values()))}"
+        )
         return
     chosen, *others = available
     resolved.parameters[selector.parameter] = chosen

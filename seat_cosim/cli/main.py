@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import sys
 import traceback
 
@@ -15,10 +16,13 @@ _CLI = "seat_cosim.cli"
 
 COMMANDS = {
     "build": (f"{_CLI}.build", "build"),
+    "compare": (f"{_CLI}.compare", "compare"),
     "design": (f"{_CLI}.design", "design"),
+    "doctor": (f"{_CLI}.doctor", "doctor"),
     "evaluate": (f"{_CLI}.evaluate", "evaluate"),
     "export": (f"{_CLI}.export", "export"),
     "fmus": (f"{_CLI}.export", "fmus"),
+    "info": (f"{_CLI}.info", "info"),
     "reproduce": (f"{_CLI}.reproduce", "reproduce"),
     "rerun": (f"{_CLI}.rerun", "rerun"),
     "run": (f"{_CLI}.run", "run"),
@@ -57,7 +61,10 @@ def main() -> None:
         _print_debug_messages()
     try:
         app.main(arguments, standalone_mode=False)
-    except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt) as error:
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads: there is nobody to tell
+        sys.exit(1)
+    except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt, OSError) as error:
         code, message = _code_and_message(error)
         if debug:
             traceback.print_exc()
@@ -81,6 +88,8 @@ def _code_and_message(error: BaseException) -> tuple[int, str]:
         code, text = error.exit_code, error.format_message()
     elif isinstance(error, CosimError):
         code, text = 2 if isinstance(error, SetupError) else 1, str(error)
+    elif isinstance(error, OSError):
+        code, text = 1, f"{error.filename or 'a file'}: expected to read or write it, got: {error.strerror or error}"
     else:
         code, text = 1, "interrupted"
     return code, f"seat-cosim: error: {' '.join(text.split())}"

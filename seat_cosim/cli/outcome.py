@@ -108,7 +108,7 @@ def print_run(outcome: Outcome, options: OutputOptions) -> None:
     if not options.prints_text:
         return
     if outcome.rides:
-        _print_rides(outcome.rides)
+        print_rides(outcome.rides)
     elif outcome.signals:
         table = Table("signal", "unit", box=SIMPLE)
         for column in ("smallest", "largest", "RMS"):
@@ -165,8 +165,14 @@ def simulated(system: System, folder: Path, result: Result, notes: Iterable[str]
     )
 
 
-def _print_rides(rides: Mapping[str, RideSummary]) -> None:
-    """Print the numbers of rides beside each other; rows without any number are left out."""
+def print_rides(rides: Mapping[str, RideSummary]) -> None:
+    """Print the numbers of rides beside each other; rows without any number are left out.
+
+    Parameters
+    ----------
+    rides
+        Title of a column to its ride.
+    """
     from seat_cosim.ride_summary import ROWS
 
     table = Table("", "unit", box=SIMPLE)

@@ -11,11 +11,12 @@ import click
 
 from cosim.engine.run_options import RunOptions
 from cosim.fmi.description import Value
-from cosim.results.result import Result
+from cosim.results.result import MANIFEST, Result
 from cosim.run_folder import run_to_folder
 from cosim.system import System
 from seat_cosim.cli.console import command_line, print_warnings, progress_shown
 from seat_cosim.cli.effect import refuse_without_effect
+from seat_cosim.cli.folders import choose_folder, force_option
 from seat_cosim.cli.options import check_run_options, run_options
 from seat_cosim.cli.outcome import Outcome, OutputOptions, output_options, print_run
 from seat_cosim.cli.seat_options import OPTIONS, SeatOptions, seat_options
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     help="Show the numbers of the same ride on the passive seat [default: passive for bump and random].",
 )
 @output_options
+@force_option
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
 def run(
     scenario: str,
@@ -47,6 +49,7 @@ def run(
     compare: str | None,
     quiet: bool,
     as_json: bool,
+    force: bool,
     output: Path | None,
     **how: Any,
 ) -> None:
@@ -65,8 +68,6 @@ def run(
       seat-cosim run random --parameters ride --control passive
       seat-cosim run file --set shaker.file.path=/data/cab_floor.csv --stop-time 120
     """
-    from seat_cosim.overview import draw_scenario
-
     check_run_options(how)
     if seat.control == "passive":
         refuse_without_effect(["compare"], "--control passive", "the ride is that of the passive seat already")
@@ -75,21 +76,25 @@ def run(
     system = seat.system()
     parameters = {**chosen.parameters, **seat.parameters(system)}
     notes = notes_before(system, parameters, step_size)
-    folder = output or Path("results", "run", scenario)
+    folder = choose_folder(output, Path("results", "run", scenario), command_line(), force=force)
     with progress_shown(f"running {scenario}") as report:
         options = RunOptions(
             stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"), **how
         )
         result = run_to_folder(system, folder, options, command=command_line())
-        warnings = explained(result.warnings, seat.gains)
+        warnings = explained(result.warnings, seat.gains, control=seat.control not in ("off", "passive"))
         if result.error is not None:
             print_warnings(warnings)
             raise result.error
         report("figure")
+        from seat_cosim.overview import draw_scenario  # takes long to load
+
         draw_scenario(folder / "overview.png", scenario, system, result)
         report("numbers")
         rides = _rides(system, result, options, seat, compare or _default_comparison(scenario, seat, how))
-    outcome = Outcome(folder, result, warnings, [*notes, *notes_after(result)], rides, next_command=_next(folder))
+    outcome = Outcome(
+        folder, result, warnings, [*notes, *notes_after(result)], rides, next_command=_next(folder, scenario, seat)
+    )
     print_run(outcome, OutputOptions(quiet, as_json))
 
 
@@ -122,6 +127,10 @@ def _rides(
     return rides
 
 
-def _next(folder: Path) -> str:
-    """Return a command that a user may want next."""
-    return f"seat-cosim rerun {folder / 'run.json'}"
+def _next(folder: Path, scenario: str, seat: SeatOptions) -> str:
+    """Return a command that a user may want next: other gains for the same ride, or the same bytes again."""
+    if seat.gains or seat.observer or seat.control or seat.parameter_files or seat.settings:
+        return f"seat-cosim rerun {folder / MANIFEST}"
+    mass = "" if seat.driver_mass is None else f" --driver-mass {seat.driver_mass:g}"
+    chosen = "" if scenario == "bump" else f" --scenario {scenario}"
+    return f"seat-cosim compare passive published recommended{chosen}{mass}"

@@ -17,6 +17,7 @@ from fmus import FLAVOURS
 from seat_cosim import carried, scenarios
 from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.options import parameters_option, set_option, settings
+from seat_cosim.cli.paths import with_user_paths
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -123,7 +124,7 @@ class SeatOptions:
             found |= scenarios.read_parameter_sets(["passive"], system)
         if self.driver_mass is not None:
             found |= scenarios.driver_mass(self.driver_mass)
-        found |= settings(self.settings)
+        found |= with_user_paths(settings(self.settings), system)
         return found
 
     def check(self) -> None:

@@ -19,6 +19,7 @@ from cosim.system import System
 from cosim.units import Linear
 from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, progress_shown
+from seat_cosim.cli.folders import choose_folder, force_option
 from seat_cosim.cli.options import (
     check_run_options,
     parameters_option,
@@ -30,6 +31,7 @@ from seat_cosim.cli.options import (
 )
 from seat_cosim.cli.options import settings as read_settings
 from seat_cosim.cli.outcome import OutputOptions, output_options, print_run, simulated
+from seat_cosim.cli.paths import with_user_paths
 from seat_cosim.plausibility import notes_before
 from seat_cosim.scenarios import read_parameter_sets
 
@@ -54,6 +56,7 @@ from seat_cosim.scenarios import read_parameter_sets
 @click.option("--record", multiple=True, metavar="A.x", help="Record this output [default: all]; repeatable.")
 @run_options
 @output_options
+@force_option
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.ssp", help="Write the system as it is run.")
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/simulate/NAME].")
 def simulate(
@@ -85,14 +88,12 @@ def simulate(
       seat-cosim simulate SeatSuspension --replace shaker=Cabin.fmu \\
           --connect "0.001*shaker.z=seat.floor_displacement" --isolate shaker
     """
-    from seat_cosim.overview import draw_system
-
     file = system_file(file)
     check_run_options(how)
     shown = OutputOptions(how.pop("quiet"), how.pop("as_json"))
     system = System.load(file)
     edit(system, replacements(replace), disconnect, [_connection(text) for text in connect])
-    system.parameters |= read_parameter_sets(parameter_files, system) | read_settings(settings)
+    system.parameters |= read_parameter_sets(parameter_files, system) | with_user_paths(read_settings(settings), system)
     system.stop_time = system.stop_time if stop_time is None else stop_time
     system.step_size = system.step_size if step_size is None else step_size
     system.component_steps |= seconds("--component-step", component_step)
@@ -105,12 +106,14 @@ def simulate(
     if shown.prints_text:
         _print_exchange(system)
     notes = notes_before(system, {})
-    folder = output or Path("results", "simulate", file.stem)
+    folder = choose_folder(output, Path("results", "simulate", file.stem), command_line(), force=how.pop("force"))
     with progress_shown(f"running {file.name}") as report:
         options = RunOptions(
             record=record or None, progress=lambda time: report(f"{time:.1f} of {system.stop_time:g} s"), **how
         )
         result = run_to_folder(system, folder, options, command=command_line())
+    from seat_cosim.overview import draw_system  # takes long to load
+
     draw_system(folder / "overview.png", system, result, record)
     if how["real_time"] and shown.prints_text:
         console.print(f"{result.missed_deadlines} deadlines missed, the worst by {result.worst_lateness * 1e3:.1f} ms")

@@ -29,8 +29,16 @@ def pair(fmus: Path) -> System:
         ("shaker.floor_displacement", "seat.floor_velocity", "expected two units of one dimension, got m and m/s"),
         ("shaker.floor_displacment", "seat.floor_displacement", "did you mean floor_displacement"),
         ("shaker.floor_displacement", "seat.floor", "seat.floor: expected a variable of SeatPlant.fmu, got none"),
-        ("shaker.bump.height", "seat.floor_displacement", "shaker.bump.height to be an output, got a parameter"),
-        ("shaker.floor_displacement", "seat.seat_displacement", "seat.seat_displacement to be an input, got a output"),
+        (
+            "shaker.bump.height",
+            "seat.floor_displacement",
+            "shaker.bump.height to be an output, got one of causality parameter",
+        ),
+        (
+            "shaker.floor_displacement",
+            "seat.seat_displacement",
+            "seat.seat_displacement to be an input, got one of causality output",
+        ),
         ("shaker.floor_displacement", "chair.floor", "expected a component among shaker, seat, got chair"),
         ("shaker", "seat.force", "shaker: expected COMPONENT.VARIABLE"),
     ],
