@@ -12,18 +12,24 @@ from importlib import resources
 from pathlib import Path
 
 from cosim.errors import SetupError, did_you_mean, writing_to
-from fmus import FLAVOURS
 from plant_models import parameter_sets
 
 BUILT_FOLDER = Path("fmus")
 """Folder of freshly built FMUs, from the working directory; each flavour has the subfolder of its name."""
 
+DEFAULT_FLAVOUR = "fmi2"
+"""The first of :data:`fmus.FLAVOURS`."""
+
 _LOG = logging.getLogger(__name__)
 
 
 def package_folders() -> tuple[Path, ...]:
-    """Return the folders in the package that may hold FMUs: that of a clone, that of a wheel."""
-    package = Path(str(resources.files("fmus")))
+    """Return the folders that may hold FMUs: that of a clone, that of a wheel.
+
+    They lie beside this package. To import ``fmus`` for its path would find the folder of this name in the working
+    directory, where the project is installed as editable.
+    """
+    package = Path(str(resources.files("seat_cosim"))).parent / "fmus"
     return package, package / "built"
 
 
@@ -31,7 +37,7 @@ def _roots() -> tuple[Path, ...]:
     return (BUILT_FOLDER, *package_folders())
 
 
-def fmu_folder(flavour: str = FLAVOURS[0], given: Path | None = None) -> Path:
+def fmu_folder(flavour: str = DEFAULT_FLAVOUR, given: Path | None = None) -> Path:
     """Return the folder of the FMUs of a flavour.
 
     Parameters
@@ -48,7 +54,7 @@ def fmu_folder(flavour: str = FLAVOURS[0], given: Path | None = None) -> Path:
     return found
 
 
-def fmu(name: str, flavour: str = FLAVOURS[0]) -> Path:
+def fmu(name: str, flavour: str = DEFAULT_FLAVOUR) -> Path:
     """Return the path of an FMU of this project.
 
     Parameters

@@ -10,7 +10,9 @@ import click
 import pytest
 
 import cosim
+import fmus
 from benchmarks.start_up import COMMANDS, cpu_time
+from seat_cosim.carried import DEFAULT_FLAVOUR
 from seat_cosim.cli import main
 from seat_cosim.cli.lazy_group import LazyGroup
 
@@ -32,6 +34,14 @@ def test_nothing_slow_is_loaded_before_it_is_used(script: str):
 def test_the_bounds_are_kept(name: str):
     words, bound = COMMANDS[name]
     assert min(cpu_time(words) for _ in range(3)) < bound
+
+
+def test_a_folder_of_fmus_where_the_user_stands_shadows_nothing(tmp_path: Path):
+    (tmp_path / "fmus").mkdir()
+    script = "import seat_cosim; from seat_cosim.carried import package_folders; print(package_folders()[0])"
+    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (found.returncode, found.stdout.strip()) == (0, str(Path(fmus.__file__).parent)), found.stderr
+    assert fmus.FLAVOURS[0] == DEFAULT_FLAVOUR
 
 
 def test_every_command_is_there_and_listed_with_its_help():
