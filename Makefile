@@ -42,21 +42,28 @@ fuzz: $(VENV)/installed-test
 	$(BIN)/seat-cosim build
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.system.hostile.fuzz --minutes $(MINUTES)
 
-# A wheel that carries the native FMUs and the master's loop in C for all platforms: `seat-cosim fmus --export DIR` takes them out again.
-wheel: $(VENV)/installed
+# A wheel that carries native FMUs, systems and the master's loop in C for all platforms, and a source distribution.
+# The date of all files in the wheel is fixed: the same sources give the same bytes.
+wheel: $(VENV)/installed-release
 	$(BIN)/seat-cosim build --flavour fmi2 --flavour fmi3 --platforms all --output fmus/built
-	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	rm -rf dist
+	SOURCE_DATE_EPOCH=315532800 $(BIN)/python -m build --outdir dist --sdist --wheel .
+	$(BIN)/python -m twine check --strict dist/*
 
 $(VENV)/python: Makefile
 	$(PYTHON) -m venv $(VENV)
 	@touch $@
 
 $(VENV)/installed: $(VENV)/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
 $(VENV)/installed-test: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native,test]"
+	@touch $@
+
+$(VENV)/installed-release: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native,release]"
 	@touch $@
 
 $(VENV)/installed-docs: $(VENV)/installed

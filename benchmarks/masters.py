@@ -34,7 +34,7 @@ from fmus.export.native_fmu import OPTIONS
 from seat_cosim.scenarios import OVERVIEW, seat_suspension
 
 STEPS, H = 30_000, 0.002
-SIGNALS = [name for names in OVERVIEW.values() for name in names][:6]
+SIGNALS = [VariableRef(*name.split(".")) for names in OVERVIEW.values() for name in names][:6]
 PARAMETERS = {"seat.driver_mass": 70.0, "controller.driver_mass": 70.0, "shaker.profile": "bump"}
 ROUNDS = {True: 25, False: 3}
 """Rounds of quick masters and of slow ones."""
@@ -124,7 +124,7 @@ class Plain:
 
     def run(self) -> None:
         """Step from 0 to the stop time."""
-        wanted = {*self._connections.values(), *map(VariableRef.parse, SIGNALS)}
+        wanted = {*self._connections.values(), *SIGNALS}
         inputs = {name: [p for p in self._connections if p.component == name] for name in self._fmus}
         outputs = {name: sorted(p for p in wanted if p.component == name) for name in self._fmus}
         to_set = {name: [self._references[name][p.variable] for p in ports] for name, ports in inputs.items()}
@@ -136,7 +136,7 @@ class Plain:
             fmu.enterInitializationMode()
             fmu.exitInitializationMode()
             values.update(zip(outputs[name], fmu.getReal(to_get[name]), strict=True))
-        signals = [VariableRef.parse(name) for name in SIGNALS]
+        signals = SIGNALS
         rows = []
         for k in range(STEPS):
             time = k * H

@@ -104,7 +104,9 @@ def another_controller(foreign: Path, folder: Path) -> None:
     """Put the skyhook in the controller's place: other names, no units."""
     ours, theirs = (seat_suspension(ROOT / "fmus" / "fmi2") for _ in range(2))
     theirs.replace(
-        "controller", foreign / "Skyhook.fmu", {"controller.acc": "seat.seat_acceleration_measured", "seat.force": "F"}
+        "controller",
+        foreign / "Damper.fmu",
+        {"controller.acc": "seat.seat_acceleration_measured", "seat.force": "F"},
     )
     bump = SCENARIOS["bump"].parameters
     off, on = (ours.simulate(3.0, parameters={**bump, **control(switch)}) for switch in (False, True))
@@ -131,7 +133,7 @@ def another_controller(foreign: Path, folder: Path) -> None:
             {},
         ),
     ]
-    draw(folder / "swapped_controller.png", "Another controller: Skyhook.fmu (pythonfmu), bump", panels)
+    draw(folder / "swapped_controller.png", "Another controller: Damper.fmu (pythonfmu), bump", panels)
 
 
 def main() -> None:

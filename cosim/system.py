@@ -31,6 +31,10 @@ class System(Structure):
     >>> same = System.load("system.ssp")                                        # doctest: +SKIP
     """
 
+    def __repr__(self) -> str:
+        components = ", ".join(self.models) or "no components"
+        return f"<System {self.name}: {components}; {len(self.connections)} connections>"
+
     @classmethod
     def load(cls, path: str | Path) -> Self:
         """Read a system from an ``.ssp`` file, or an ``.ssd`` file beside its resources; see :func:`cosim.ssp.load`.

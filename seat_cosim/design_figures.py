@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from seat_controller_fmu.design.certificate import delay_margins
+from seat_controller_fmu.design.certificate import delay_margins, masses_of
 from seat_controller_fmu.design.gains import Gains, preset
 from seat_controller_fmu.design.tradeoff import TradeOffCriteria, TradeOffPoint, front, survey, transmissibility
 from seat_cosim.nominal_seat import friction_force, nominal_seat
@@ -35,7 +35,7 @@ def draw_transmissibility(gains: Gains, path: Path) -> None:
     frequencies = np.logspace(-1.5, 1.5, 400)
     curves = [
         Curve(f"{mass:g} kg", transmissibility(gains, nominal_seat, mass, frequencies), {"color": f"C{i}"})
-        for i, mass in enumerate(_MASSES_SHOWN)
+        for i, mass in enumerate(sorted({*_MASSES_SHOWN, gains.setting.driver_mass_min, gains.setting.driver_mass_max}))
     ]
     panel = Panel("Driver over floor acceleration", frequencies, curves, {"1": 1.0})
     draw(path, "Closed-loop transmissibility, linear and without friction", [panel], "Frequency (Hz)", log=True)
@@ -51,7 +51,8 @@ def draw_delay_margin(gains: Gains, path: Path) -> None:
     path
         Figure file; its folder exists.
     """
-    masses = np.arange(45.0, 121.0, 2.5)
+    range_shown = masses_of(gains.setting)
+    masses = np.arange(range_shown[0], range_shown[-1] + 1.0, 2.5)
     sets: Mapping[str, tuple[Gains, Mapping[str, Any]]] = {
         "these gains": (gains, {"color": "C0"}),
         "published": (preset("published"), {"color": "0.45", "linestyle": "--"}),

@@ -49,7 +49,9 @@ def commands_page() -> str:
 
     context = click.Context(app, info_name="seat-cosim")
     parts = [_COMMANDS_HEAD, "Options of all commands:\n", *_options(app, context)]
-    for name, command in sorted(app.commands.items()):
+    for name in app.list_commands(context):
+        command = app.get_command(context, name)
+        assert command is not None
         parts += _command(command, click.Context(command, parent=context, info_name=name))
     return "\n".join(parts)
 

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.engine.structure import Structure
-from cosim.errors import SetupError
+from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.values import Value
 from cosim.ssp import read_parameters
 from cosim.system import System
+from fmus import FLAVOURS
 from plant_models import parameter_sets
 
 _FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
@@ -87,7 +88,8 @@ def seat_suspension(folder: Path) -> System:
     missing = [fmu for fmu in _FMUS.values() if not (folder / f"{fmu}.fmu").is_file()]
     if missing:
         raise SetupError(
-            f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; run: seat-cosim build"
+            f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; "
+            f"run: seat-cosim build{f' --flavour {folder.name}' if folder.name in FLAVOURS else ''}"
         )
     system = System()
     system.name = "SeatSuspension"
@@ -163,5 +165,12 @@ def read_parameter_sets(names_or_files: Iterable[str], system: Structure) -> dic
     """
     found: dict[str, Value] = {}
     for word in names_or_files:
-        found |= read_parameters(parameter_sets.path(word) if word in parameter_sets.NAMES else word, system)
+        if not Path(word).suffix and word not in parameter_sets.NAMES and not Path(word).expanduser().is_file():
+            sets = f"a file, or a set among {', '.join(parameter_sets.NAMES)}"
+            raise SetupError(
+                f"parameters {word}: expected {sets}, got no such file{did_you_mean(word, parameter_sets.NAMES)}"
+            )
+        found |= read_parameters(
+            parameter_sets.path(word) if word in parameter_sets.NAMES else Path(word).expanduser(), system
+        )
     return found

@@ -101,4 +101,5 @@ def _describe(structure: Structure, sink: VariableRef, replaced: Iterable[str]) 
     outputs = [f"{name}.{v.name}" for name in replaced for v in structure.models[name].outputs]
     hint = did_you_mean(str(sink), outputs) or did_you_mean(sink.variable, [name.partition(".")[2] for name in outputs])
     listed = ", ".join(outputs[:8]) + (", …" if len(outputs) > 8 else "") or "none"
-    return f"{sink}: expected an output of what is new to feed it, got none{hint}; new outputs: {listed}"
+    example = f"; for example: --connect {outputs[0]}={sink}" if outputs else ""
+    return f"{sink}: expected an output of what is new to feed it, got none{hint}; new outputs: {listed}{example}"

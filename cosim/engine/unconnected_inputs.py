@@ -145,8 +145,11 @@ def _select(
     if len(available) == len(selector.inputs):
         return
     if not available:
-        inputs = ", ".join(f"{name}.{input_}" for input_ in selector.inputs.values())
-        resolved.problems.append(f"{name}: expected one of {inputs} to be connected, got none")
+        inputs = [f"{name}.{input_}" for input_ in selector.inputs.values()]
+        resolved.problems.append(
+            f"{name}: expected one of {', '.join(inputs)} to be connected, got none; "
+            f"for example: --connect COMPONENT.OUTPUT={inputs[0]}"
+        )
         return
     chosen, *others = available
     resolved.parameters[selector.parameter] = chosen

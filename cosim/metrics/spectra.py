@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal as dsp
+import scipy
 
 from cosim.errors import SignalError
 from cosim.metrics.samples import Samples, check_equal_length, check_positive, trim
@@ -98,7 +98,7 @@ def psd(signal: npt.ArrayLike, rate: float, resolution: float = 0.25, warm_up: f
     """
     length = _segment(rate, resolution)
     x = trim(signal, rate, warm_up, at_least=length)
-    frequency, density = dsp.welch(x, rate, _WINDOW, length)
+    frequency, density = scipy.signal.welch(x, rate, _WINDOW, length)
     return Spectrum(frequency, density, _averages(x.size, length))
 
 
@@ -178,9 +178,9 @@ def transmissibility(
     )
     if np.ptp(x) == 0.0:
         raise SignalError(f"excitation: expected a signal that changes, got {x[0]:g} throughout")
-    frequency, xx = dsp.welch(x, rate, _WINDOW, length)
-    yy = dsp.welch(y, rate, _WINDOW, length)[1]
-    xy = dsp.csd(x, y, rate, _WINDOW, length)[1]
+    frequency, xx = scipy.signal.welch(x, rate, _WINDOW, length)
+    yy = scipy.signal.welch(y, rate, _WINDOW, length)[1]
+    xy = scipy.signal.csd(x, y, rate, _WINDOW, length)[1]
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = xy / xx
         coherence = np.abs(xy) ** 2 / (xx * yy)
@@ -339,6 +339,6 @@ def _averages(total: int, length: int) -> float:
     """Return the number of independent segments with the same variance as overlapping ones, after Welch (1967)."""
     step = length - length // 2
     count = (total - length) // step + 1
-    window = dsp.get_window(_WINDOW, length)
+    window = scipy.signal.get_window(_WINDOW, length)
     shared = float(window[step:] @ window[:-step] / (window @ window)) ** 2
     return count / (1.0 + 2.0 * (1.0 - 1.0 / count) * shared)

@@ -9,6 +9,7 @@ from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 
+from cosim.errors import did_you_mean
 from cosim.results.csv_file import format_header, format_rows
 from cosim.results.file_sink import result_file_name
 from cosim.results.formats import CsvSink, create_sinks, read_table, result_file_names
@@ -105,6 +106,8 @@ class Result:
 
     def __getitem__(self, name: str) -> np.ndarray[Any, Any]:
         """Return the values of ``component.variable``."""
+        if name not in self.values:
+            raise KeyError(f"{name}: expected a recorded output, got none{did_you_mean(name, self.values)}")
         return self.values[name]
 
     @property

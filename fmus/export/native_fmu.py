@@ -1,17 +1,16 @@
-"""Build of native FMUs: C kernel, glue code of the standard and model description, compiled by zig for any platform."""
+"""Build of native FMUs: C kernel, glue code of the standard and model description, compiled for any platform."""
 
 from __future__ import annotations
 
 import platform as machine
 import re
 import subprocess
-import sys
 import tempfile
 import zipfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, distribution, version
+from importlib.metadata import distribution
 from pathlib import Path
 
 import fmpy
@@ -20,6 +19,7 @@ from cosim.fmi.archive import write_archive
 from fmus.component import Component, DefaultExperiment
 from fmus.export import cross_check, documentation
 from fmus.export.c_header import defaults_header, model_header
+from fmus.export.compiler import find_compiler
 from fmus.export.fmu_file import BuildError, BuildResult, guid_of
 from fmus.export.model_description import (
     build_description_xml,
@@ -35,6 +35,9 @@ _FMI_HEADERS = Path(fmpy.__file__).with_name("c-code")
 
 OPTIONS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-slp-vectorize")
 """Compiler options with an effect on results or speed; without fused operations all platforms give the same results."""
+
+_HOST_OPTIONS = (*OPTIONS[:-1], "-fno-tree-slp-vectorize")
+"""The same, in words that gcc and clang know."""
 
 _LINK = ("-fvisibility=hidden", "-shared", "-s", "-g0", "-lm")
 
@@ -211,13 +214,6 @@ def fmu_files(
     return files
 
 
-def _compiler_version() -> str:
-    try:
-        return version("ziglang")
-    except PackageNotFoundError:
-        raise BuildError("native FMUs: expected the package ziglang, got none; run: pip install ziglang") from None
-
-
 def compile_binary(name: str, sources: dict[str, bytes], platform: TargetPlatform) -> bytes:
     """Compile a shared library.
 
@@ -240,19 +236,26 @@ def compile_binary(name: str, sources: dict[str, bytes], platform: TargetPlatfor
     BuildError
         If the compiler fails; with its output.
     """
+    compiler = find_compiler()
+    if not compiler.takes_target and platform.name != host_platform():
+        raise BuildError(
+            f"{name} for {platform.name}: expected the compiler zig, as it is not this machine's, got none; "
+            'run: pip install "seat-cosim[native]"'
+        )
+    target = ("-target", platform.target, *OPTIONS) if compiler.takes_target else _HOST_OPTIONS
     with tempfile.TemporaryDirectory(prefix="seat-cosim-") as temporary:
         folder = Path(temporary)
         for file, content in sources.items():
             (folder / file).write_bytes(content)
         library = name + platform.extension
-        command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *OPTIONS, *_LINK]
+        command = [*compiler.command, *target, *_LINK]
         command += [*platform.options, f"-ffile-prefix-map={folder}=.", "-I", "."]
         command += [f"-Wl,-install_name,@rpath/{library}"] if platform.extension == ".dylib" else []
-        command += [*sorted(file for file in sources if file.endswith(".c")), "-o", library]
+        command += [*sorted(file for file in sources if file.endswith(".c")), "-o", library, "-lm"]
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if run.returncode or not (folder / library).exists():
             raise BuildError(
-                f"{name} for {platform.name}: zig ended with {run.returncode}: {run.stderr.strip()[-500:]}"
+                f"{name} for {platform.name}: {compiler.name} ended with {run.returncode}: {run.stderr.strip()[-500:]}"
             )
         return (folder / library).read_bytes()
 
@@ -307,7 +310,7 @@ def build_native_fmu(
     parts = fmu_files(component, experiment, standard, "")
     options = " ".join((*OPTIONS, *_LINK)).encode()
     contents = (part for name, content in sorted(parts.items()) for part in (name.encode(), content))
-    token = content_guid(_compiler_version().encode(), options, *contents)
+    token = content_guid(find_compiler().version.encode(), options, *contents)
     target = folder / f"{component.name}.fmu"
     required = {platform.folder(standard.version) for platform in chosen}
     fresh = guid_of(target) != token or not required <= platforms_of(target)
@@ -352,7 +355,6 @@ def build_library(
     BuildError
         If the compiler is missing or fails, or a platform is unknown.
     """
-    _compiler_version()
     for platform in [_platform(name) for name in platforms or (host_platform(),)]:
         target = folder / platform.name / f"{name}{platform.extension}"
         fresh = not target.is_file() or mark not in target.read_bytes()

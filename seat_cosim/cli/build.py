@@ -1,4 +1,4 @@
-"""``seat-cosim build`` and ``fmus``: FMUs, systems of them and the loop in C, built or copied out of a wheel."""
+"""``seat-cosim build``: FMUs, systems of them and the loop in C."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from pathlib import Path
 import click
 from rich.table import Table
 
-from cosim.errors import RunError, SetupError, writing_to
+from cosim.errors import RunError, SetupError
 from fmus import FLAVOURS
 from seat_cosim.cli.console import console, progress_shown
+from seat_cosim.cli.effect import refuse_without_effect
 
 
 @click.command()
@@ -34,6 +35,8 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
     chosen = tuple(PLATFORMS) if platforms == "all" else tuple(filter(None, platforms.split(",")))
     if unknown := [name for name in chosen if name not in PLATFORMS]:
         raise SetupError(f"--platforms {platforms}: expected all or names of {', '.join(PLATFORMS)}, got {unknown[0]}")
+    if flavour == ("python",):
+        refuse_without_effect(["platforms"], "--flavour python", "an FMU in Python has no platform")
     table = Table("file", "size", "state", box=None)
     try:
         with progress_shown("building FMUs") as report:
@@ -44,22 +47,3 @@ def build(flavour: tuple[str, ...], platforms: str, output: Path) -> None:
     except (BuildError, OSError) as error:
         raise RunError(str(error)) from error
     console.print(table)
-
-
-@click.command()
-@click.option("--export", "folder", type=click.Path(path_type=Path), required=True, metavar="DIR", help="Where to.")
-def fmus(folder: Path) -> None:
-    """Copy the native FMUs, for all platforms, out of an installed wheel; needs no compiler.
-
-    \b
-    Example:
-      seat-cosim fmus --export fmus
-    """
-    from fmus.export.fmu_file import CARRIED, BuildError, export
-
-    try:
-        with writing_to(folder):
-            for path in export(CARRIED, folder):
-                console.print(str(path))
-    except BuildError as error:
-        raise SetupError(str(error)) from error

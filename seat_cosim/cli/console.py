@@ -52,6 +52,12 @@ def print_warnings(texts: Iterable[str]) -> None:
         stderr.print(f"warning: {text}", soft_wrap=True)
 
 
+def print_notes(texts: Iterable[str]) -> None:
+    """Print notes, a line each; they are no warnings of FMUs and block nothing."""
+    for text in texts:
+        stderr.print(f"note: {text}", markup=False, soft_wrap=True)
+
+
 def print_outcome(result: Result) -> None:
     """Print a run's warnings.
 

@@ -12,10 +12,12 @@ from rich.table import Table
 from cosim.errors import RunError, SetupError
 from seat_controller_fmu.design.synthesis import FOLLOW, OBJECTIVES, SOLVERS
 from seat_cosim.cli.console import console, progress_shown
+from seat_cosim.cli.effect import is_given, refuse_without_effect
 
 if TYPE_CHECKING:
     from seat_controller_fmu.design.certificate import Certificate
     from seat_controller_fmu.design.gains import Gains
+    from seat_controller_fmu.design.setting import Setting
 
 _OBSERVER_OPTIONS = ("observer_gamma", "observer_rate", "observer_gains")
 
@@ -65,10 +67,21 @@ def design(given: str | None, output: Path | None, pareto: bool | None, **reques
 
     if given is None:
         _check_observer(request)
+    else:
+        names = [name for name in request if name != "level"]
+        refuse_without_effect(names, f"--gains {given}", "nothing is designed of given gains")
+    if request["objective"] != "trade-off":
+        refuse_without_effect(
+            ("follow", "force_weight"),
+            f"--objective {request['objective']}",
+            "--objective trade-off uses it",
+        )
+    if output is None:
+        _refuse_figures()
     with progress_shown("design") as report:
         gains, certificate = certified_gains(DesignRequest(**request), given, report)
     _print_gains(gains)
-    _print_certificate(certificate, gains.setting.alpha)
+    _print_certificate(certificate, gains.setting)
     if output is not None:
         survey = pareto if pareto is not None else given is None
         with progress_shown("figures") as report:
@@ -76,6 +89,12 @@ def design(given: str | None, output: Path | None, pareto: bool | None, **reques
         console.print(f"gains and figures in {output}")
     if certificate.problems:
         raise RunError("; ".join(certificate.problems))
+
+
+def _refuse_figures() -> None:
+    """Refuse options about figures where none is drawn."""
+    if is_given("pareto"):
+        raise SetupError("--pareto or --no-pareto: expected with --output FOLDER, got without")
 
 
 def _check_observer(request: dict[str, Any]) -> None:
@@ -105,8 +124,9 @@ def _print_gains(gains: Gains) -> None:
     )
 
 
-def _print_certificate(certificate: Certificate, alpha: float) -> None:
-    """Print margins, certified level and delay margins; ``alpha`` is the least worst-case gain that a seat can have."""
+def _print_certificate(certificate: Certificate, setting: Setting) -> None:
+    """Print margins, certified level and delay margins; alpha is the least worst-case gain that a seat can have."""
+    alpha = setting.alpha
     table = Table(title=f"Certificate at lambda = {certificate.lambda_:.4g}", title_justify="left", box=SIMPLE)
     table.add_column("what")
     table.add_column("value", justify="right")
@@ -119,7 +139,8 @@ def _print_certificate(certificate: Certificate, alpha: float) -> None:
     table = Table(title="Extra delay the sampled loop survives (linear, no friction)", title_justify="left", box=SIMPLE)
     table.add_column("driver (kg)")
     margins = certificate.delay_margin_ms
-    shown = [mass for mass in margins if mass % 10 == 5 or mass in (80.0, 120.0)]
+    ends = (min(margins), max(margins), setting.driver_mass_min, setting.driver_mass_max)
+    shown = [mass for mass in margins if mass % 10 == 5 or mass in (80.0, *ends)]
     for mass in shown:
         table.add_column(f"{mass:g}", justify="right")
     table.add_row("margin (ms)", *(f"{margins[mass]:.0f}" for mass in shown))

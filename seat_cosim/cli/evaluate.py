@@ -12,11 +12,14 @@ from rich.table import Table
 
 from cosim.engine.editing import edit
 from cosim.system import System
+from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, print_warnings, progress_shown
+from seat_cosim.cli.folders import EVALUATION, choose_folder, force_option, write_command
 from seat_cosim.cli.options import listed, replace_option, replacements
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
 from seat_cosim.evaluation.seat import PASSIVE_NOTE, passive_seat, seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
+from seat_cosim.plausibility import explained
 from seat_cosim.scenarios import read_parameter_sets
 
 if TYPE_CHECKING:  # the metrics take long to load
@@ -27,7 +30,7 @@ _DEFAULT = seat_signals()
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path), required=False, metavar="[FILE.ssp]")
+@click.argument("file", type=click.Path(path_type=Path), required=False, metavar="[FILE.ssp|NAME]")
 @click.option("--classes", metavar="EM1,EM3", help="Of ISO 7096 [default: all nine].")
 @click.option("--masses", metavar="KG,KG", help="Drivers [default: 45,55,70,80,100,120].")
 @click.option("--seeds", metavar="N,N", help="A run each [default: 1,2,3].")
@@ -63,6 +66,7 @@ _DEFAULT = seat_signals()
 )
 @click.option("--processes", type=click.IntRange(min=1), metavar="N", help="[default: one for each core]")
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/evaluate/NAME].")
+@force_option
 def evaluate(
     file: Path | None,
     seat: SeatOptions,
@@ -77,6 +81,7 @@ def evaluate(
     passive: str,
     processes: int | None,
     output: Path | None,
+    force: bool,
     **given: Any,
 ) -> None:
     """Evaluate a seat by ISO 7096 and ISO 2631-1: SEAT, VDV, stroke, force over machines and drivers.
@@ -104,6 +109,7 @@ def evaluate(
         "end_stop_travel": travel_parameter,
     }
     protocol = _protocol(**given)
+    file = system_file(file) if file else None
     system = System.load(file) if file else seat.system()
     edit(system, replacements(replace), (), ())
     system.parameters |= seat.parameters(system)
@@ -114,7 +120,8 @@ def evaluate(
         EvaluatedSystem(_title(system, seat, replace), system, signals),
         passive_seat(reference, read_parameter_sets([passive], reference)),
     ]
-    folder = output or Path("results", "evaluate", file.stem if file else system.name)
+    default = Path("results", "evaluate", file.stem if file else system.name)
+    folder = choose_folder(output, default, command_line(), force=force, marker=EVALUATION)
     notes = [MODEL_NOTE, LIMITS_NOTE, *([PASSIVE_NOTE] if passive == "passive" else [])]
     with progress_shown("evaluating") as report:
         evaluations, files = evaluate_to_folder(
@@ -126,9 +133,10 @@ def evaluate(
             command=command_line(),
             notes=notes,
         )
+    write_command(folder / EVALUATION, command_line())
     for evaluation in evaluations:
         console.print(_table(evaluation, protocol))
-    print_warnings(evaluations[0].warnings)
+    print_warnings(explained(evaluations[0].warnings, seat.gains))
     console.print(f"{verdict(evaluations[0])}.")
     for note in notes:
         console.print(f"- {note}")

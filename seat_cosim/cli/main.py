@@ -2,38 +2,52 @@
 
 from __future__ import annotations
 
+import logging
+import os
 import sys
 import traceback
 
 import click
 
 from cosim.errors import CosimError, SetupError
-from seat_cosim.cli.build import build, fmus
-from seat_cosim.cli.design import design
-from seat_cosim.cli.evaluate import evaluate
-from seat_cosim.cli.reproduce import reproduce
-from seat_cosim.cli.rerun import rerun
-from seat_cosim.cli.run import run
-from seat_cosim.cli.simulate import simulate
-from seat_cosim.cli.validate import validate_command
+from seat_cosim.cli.lazy_group import LazyGroup
+
+_CLI = "seat_cosim.cli"
+
+COMMANDS = {
+    "build": (f"{_CLI}.build", "build"),
+    "compare": (f"{_CLI}.compare", "compare"),
+    "design": (f"{_CLI}.design", "design"),
+    "doctor": (f"{_CLI}.doctor", "doctor"),
+    "evaluate": (f"{_CLI}.evaluate", "evaluate"),
+    "export": (f"{_CLI}.export", "export"),
+    "fmus": (f"{_CLI}.export", "fmus"),
+    "info": (f"{_CLI}.info", "info"),
+    "reproduce": (f"{_CLI}.reproduce", "reproduce"),
+    "rerun": (f"{_CLI}.rerun", "rerun"),
+    "run": (f"{_CLI}.run", "run"),
+    "simulate": (f"{_CLI}.simulate", "simulate"),
+    "validate": (f"{_CLI}.validate", "validate_command"),
+}
+"""Command to its module and function; a module is loaded when its command runs."""
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.group(
+    cls=LazyGroup, modules=COMMANDS, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110}
+)
 @click.version_option(package_name="seat-cosim")
-@click.option("--debug", is_flag=True, help="Show the traceback of an error; goes anywhere on the line.")
+@click.option(
+    "--debug", is_flag=True, help="Show which FMUs are used, and the traceback of an error; goes anywhere on the line."
+)
 def app(debug: bool) -> None:
     """Active seat suspension as FMI co-simulation components.
 
     \b
     Examples:
-      seat-cosim build
       seat-cosim run bump --driver-mass 70 --observer 1
+      seat-cosim simulate SeatSuspension --set shaker.bump.height=0.05
       seat-cosim reproduce
     """
-
-
-for command in (build, design, evaluate, fmus, reproduce, rerun, run, simulate, validate_command):
-    app.add_command(command)
 
 
 def main() -> None:
@@ -43,15 +57,27 @@ def main() -> None:
     """
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
+    if debug:
+        _print_debug_messages()
     try:
         app.main(arguments, standalone_mode=False)
-    except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt) as error:
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads: there is nobody to tell
+        sys.exit(1)
+    except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt, OSError) as error:
         code, message = _code_and_message(error)
         if debug:
             traceback.print_exc()
         click.echo(message, err=True)
         sys.exit(code)
     sys.exit(0)
+
+
+def _print_debug_messages() -> None:
+    """Print what this package logs, for example which FMUs were chosen, to standard error."""
+    log = logging.getLogger("seat_cosim")
+    log.setLevel(logging.DEBUG)
+    log.addHandler(logging.StreamHandler())
 
 
 def _code_and_message(error: BaseException) -> tuple[int, str]:
@@ -62,6 +88,8 @@ def _code_and_message(error: BaseException) -> tuple[int, str]:
         code, text = error.exit_code, error.format_message()
     elif isinstance(error, CosimError):
         code, text = 2 if isinstance(error, SetupError) else 1, str(error)
+    elif isinstance(error, OSError):
+        code, text = 1, f"{error.filename or 'a file'}: expected to read or write it, got: {error.strerror or error}"
     else:
         code, text = 1, "interrupted"
     return code, f"seat-cosim: error: {' '.join(text.split())}"

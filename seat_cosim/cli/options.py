@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from typing import Any, TypeVar
 
@@ -15,6 +15,7 @@ from cosim.errors import SetupError
 from cosim.fmi.isolated import TIME_LIMIT
 from cosim.results.formats import FORMATS
 from plant_models.parameter_sets import NAMES
+from seat_cosim.cli.effect import is_given
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -58,6 +59,23 @@ parameters_option = click.option(
 def run_options(command: Command) -> Command:
     """Give a command the options of a run that are fields of :class:`cosim.engine.run_options.RunOptions`."""
     return reduce(lambda decorated, option: option(decorated), reversed(_RUN_OPTIONS), command)
+
+
+def check_run_options(how: Mapping[str, Any]) -> None:
+    """Check that every option of :func:`run_options` has an effect.
+
+    Parameters
+    ----------
+    how
+        The options, by the names of their arguments.
+
+    Raises
+    ------
+    SetupError
+        If a time limit is given without a component that it holds for.
+    """
+    if not how["isolate"] and is_given("time_limit"):
+        raise SetupError(f"--time-limit {how['time_limit']:g}: expected with --isolate COMPONENT, got without")
 
 
 def assignments(

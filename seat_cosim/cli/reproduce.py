@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,37 +15,61 @@ from cosim.errors import SetupError, writing_to
 from cosim.results.result import Result
 from cosim.system import System
 from seat_cosim.cli.console import command_line, console, print_outcome, print_warnings, progress_shown
+from seat_cosim.cli.effect import is_given
+from seat_cosim.cli.folders import RUN, choose_folder, force_option
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
+from seat_cosim.paper.contents import CONTENTS
 
 if TYPE_CHECKING:
     from seat_cosim.paper.bump_test import Case
 
 
+FIGURES = {
+    name: entry.key
+    for entry in CONTENTS
+    for name in dict.fromkeys((entry.key, re.sub(r"(?<=\D)0+(?=\d)", "", entry.key)))
+}
+"""Name of a figure or table on the command line, with and without leading zeros, to the key of its entry."""
+
+
 @click.command()
-@click.argument("what", type=click.Choice(["bump"]), required=False)
+@click.argument("what", type=click.Choice(["bump", *FIGURES]), required=False, metavar="[bump|fig05|…|table2]")
 @seat_options("driver_mass")
 @click.option("--output", type=click.Path(path_type=Path), default=Path("results"), show_default=True, help="Where to.")
-def reproduce(what: str | None, seat: SeatOptions, output: Path) -> None:
+@force_option
+def reproduce(what: str | None, seat: SeatOptions, output: Path, force: bool) -> None:
     """Reproduce the paper: all its figures and tables beside its numbers, as a page to open in a browser.
 
-    The page is report/index.html in the folder of --output; CSV, PNG and SVG of each figure lie beside it. With bump:
-    the simulated bump test alone (Fig. 5-7), with all its results and for any driver.
+    The page is report/index.html in the folder of --output; CSV, PNG and SVG of each figure lie beside it. With a
+    figure or table, for example fig8 or table2: that one alone. With bump: the simulated bump test alone (Fig. 5-7),
+    with all its results and for any driver.
 
     \b
     Examples:
       seat-cosim reproduce
+      seat-cosim reproduce fig8
       seat-cosim reproduce bump --driver-mass 70
     """
     system = seat.system()
     if what == "bump":
         mass = system.start("seat.driver_mass") if seat.driver_mass is None else seat.driver_mass
-        _reproduce_bump(system, mass, output / "bump")
+        given = output if is_given("output") else None
+        folder = choose_folder(
+            None if given is None else given.expanduser() / "bump",
+            output / "bump",
+            command_line(),
+            force=force,
+            marker=f"uncontrolled/{RUN}",
+        )
+        _reproduce_bump(system, mass, folder)
     elif seat.driver_mass is not None:
         raise SetupError(
             f"--driver-mass {seat.driver_mass:g}: expected with bump only; the paper's drivers weigh 55 and 70 kg"
         )
+    elif what is not None:
+        _reproduce_figure(system, FIGURES[what], output.expanduser() / "report")
     else:
-        _reproduce_all(system, output / "report")
+        _reproduce_all(system, output.expanduser() / "report")
 
 
 def _reproduce_all(system: System, folder: Path) -> None:
@@ -67,6 +92,31 @@ def _reproduce_all(system: System, folder: Path) -> None:
         console.print(table)
     console.print(f"page {page}", soft_wrap=True)
     console.print(f"figures and tables {folder}/*.png, *.svg, *.csv", soft_wrap=True)
+
+
+def _reproduce_figure(system: System, key: str, folder: Path) -> None:
+    """Run the experiment of one figure or table, write its files, and print its rows."""
+    from seat_cosim.paper import report
+    from seat_cosim.paper.contents import CONTENTS
+    from seat_cosim.paper.experiments import finding
+    from seat_cosim.paper.runner import open_runner
+
+    (entry,) = (each for each in CONTENTS if each.key == key)
+    with writing_to(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with progress_shown(entry.number) as progress, open_runner(system, progress) as runner:
+        found = finding(runner, key)
+        with writing_to(folder):
+            files = report.write_entry(folder, entry, found)
+    print_warnings(runner.warnings)
+    table = Table(
+        "", "unit", "the paper", "here", "", title=f"{entry.number}: {entry.title}", title_justify="left", box=SIMPLE
+    )
+    for row in found.rows:
+        table.add_row(row.quantity, row.unit, row.paper, row.ours, row.kind.value)
+    console.print(table)
+    for path in files:
+        console.print(str(path), soft_wrap=True)
 
 
 def _reproduce_bump(system: System, mass: float, folder: Path) -> None:

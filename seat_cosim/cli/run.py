@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cosim.engine.run_options import RunOptions
+from cosim.fmi.values import Value
+from cosim.results.result import MANIFEST, Result
 from cosim.run_folder import run_to_folder
-from seat_cosim.cli.console import command_line, console, print_outcome, progress_shown
-from seat_cosim.cli.options import run_options
+from cosim.system import System
+from seat_cosim.cli.console import command_line, print_warnings, progress_shown
+from seat_cosim.cli.effect import refuse_without_effect
+from seat_cosim.cli.folders import choose_folder, force_option
+from seat_cosim.cli.options import check_run_options, run_options
+from seat_cosim.cli.outcome import Outcome, OutputOptions, output_options, print_run
 from seat_cosim.cli.seat_options import OPTIONS, SeatOptions, seat_options
-from seat_cosim.scenarios import SCENARIOS
+from seat_cosim.plausibility import explained, notes_after, notes_before
+from seat_cosim.scenarios import SCENARIOS, control
+
+if TYPE_CHECKING:
+    from seat_cosim.ride_summary import RideSummary
 
 
 @click.command()
@@ -21,16 +33,29 @@ from seat_cosim.scenarios import SCENARIOS
 @click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
 @run_options
+@click.option(
+    "--compare",
+    type=click.Choice(["passive", "none"]),
+    help="Show the numbers of the same ride on the passive seat [default: passive for bump and random].",
+)
+@output_options
+@force_option
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
 def run(
     scenario: str,
     seat: SeatOptions,
     stop_time: float | None,
     step_size: float | None,
+    compare: str | None,
+    quiet: bool,
+    as_json: bool,
+    force: bool,
     output: Path | None,
     **how: Any,
 ) -> None:
     """Run one scenario of the seat suspension; writes result.csv, a figure and run.json, which `rerun` takes.
+
+    Prints what a rider and an engineer want to know of the ride, beside the same ride on the passive seat.
 
     \b
     Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s), sweep (0.5 to 20 Hz at 1 m/s2, 60 s),
@@ -43,18 +68,69 @@ def run(
       seat-cosim run random --parameters ride --control passive
       seat-cosim run file --set shaker.file.path=/data/cab_floor.csv --stop-time 120
     """
-    from seat_cosim.overview import draw_scenario
-
+    check_run_options(how)
+    if seat.control == "passive":
+        refuse_without_effect(["compare"], "--control passive", "the ride is that of the passive seat already")
     chosen = SCENARIOS[scenario]
     stop_time = chosen.stop_time if stop_time is None else stop_time
     system = seat.system()
     parameters = {**chosen.parameters, **seat.parameters(system)}
-    folder = output or Path("results", "run", scenario)
+    notes = notes_before(system, parameters, step_size)
+    folder = choose_folder(output, Path("results", "run", scenario), command_line(), force=force)
     with progress_shown(f"running {scenario}") as report:
         options = RunOptions(
             stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"), **how
         )
         result = run_to_folder(system, folder, options, command=command_line())
-    print_outcome(result)
-    draw_scenario(folder / "overview.png", scenario, system, result)
-    console.print(f"{len(result.time)} rows and figure in {folder}")
+        warnings = explained(result.warnings, seat.gains, control=seat.control not in ("off", "passive"))
+        if result.error is not None:
+            print_warnings(warnings)
+            raise result.error
+        report("figure")
+        from seat_cosim.overview import draw_scenario  # takes long to load
+
+        draw_scenario(folder / "overview.png", scenario, system, result)
+        report("numbers")
+        rides = _rides(system, result, options, seat, compare or _default_comparison(scenario, seat, how))
+    outcome = Outcome(
+        folder, result, warnings, [*notes, *notes_after(result)], rides, next_command=_next(folder, scenario, seat)
+    )
+    print_run(outcome, OutputOptions(quiet, as_json))
+
+
+def _default_comparison(scenario: str, seat: SeatOptions, how: Mapping[str, Any]) -> str:
+    """Choose the passive seat where it costs less than a second and is not what was run."""
+    cheap = scenario in ("bump", "random") and not how["real_time"] and not how["isolate"]
+    return "passive" if cheap and seat.control != "passive" else "none"
+
+
+def _rides(
+    system: System, result: Result, options: RunOptions, seat: SeatOptions, compare: str
+) -> dict[str, RideSummary]:
+    """Return the numbers of the run, and of the same ride on the passive seat where that is asked for."""
+    from seat_cosim.ride_summary import evaluated_system, summarize
+
+    def numbers(parameters: Mapping[str, Value], ridden: Result) -> RideSummary:
+        system.parameters = dict(parameters)
+        evaluated = evaluated_system(system)
+        assert evaluated is not None
+        return summarize(evaluated, ridden)
+
+    rides = {"this ride": numbers(options.parameters or {}, result)}
+    if compare == "passive":
+        scenario = {name: value for name, value in (options.parameters or {}).items() if name.startswith("shaker.")}
+        passive = {**scenario, **replace(seat, control="passive").parameters(system), **control(False)}
+        system.parameters = {}
+        same = replace(options, parameters=passive, formats=(), real_time=False, progress=None)
+        with system.open(options.isolate, options.time_limit) as session:
+            rides["passive seat"] = numbers(passive, session.execute(same, same.check(system)))
+    return rides
+
+
+def _next(folder: Path, scenario: str, seat: SeatOptions) -> str:
+    """Return a command that a user may want next: other gains for the same ride, or the same bytes again."""
+    if seat.gains or seat.observer or seat.control or seat.parameter_files or seat.settings:
+        return f"seat-cosim rerun {folder / MANIFEST}"
+    mass = "" if seat.driver_mass is None else f" --driver-mass {seat.driver_mass:g}"
+    chosen = "" if scenario == "bump" else f" --scenario {scenario}"
+    return f"seat-cosim compare passive published recommended{chosen}{mass}"

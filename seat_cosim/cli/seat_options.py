@@ -14,8 +14,10 @@ from cosim.engine.structure import Structure
 from cosim.fmi.values import Value
 from cosim.system import System
 from fmus import FLAVOURS
-from seat_cosim import scenarios
+from seat_cosim import carried, scenarios
+from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.options import parameters_option, set_option, settings
+from seat_cosim.cli.paths import with_user_paths
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -50,9 +52,7 @@ _FMU_OPTIONS = (
         "--fmus",
         "fmus_folder",
         type=click.Path(path_type=Path),
-        default=Path("fmus"),
-        show_default=True,
-        help="Folder of the built FMUs; each flavour has its subfolder.",
+        help="Folder with a subfolder for the flavour [default: fmus where it has FMUs, else those of the package].",
     ),
 )
 
@@ -64,7 +64,8 @@ class SeatOptions:
     Attributes
     ----------
     flavour, fmus_folder
-        Flavour of the FMUs, and the folder that has a subfolder for it.
+        Flavour of the FMUs, and the folder that has a subfolder for it; where None, see
+        :func:`seat_cosim.carried.fmu_folder`.
     parameter_files
         Parameter sets, by name or file.
     gains
@@ -80,7 +81,7 @@ class SeatOptions:
     """
 
     flavour: str
-    fmus_folder: Path
+    fmus_folder: Path | None
     parameter_files: tuple[str, ...] = ()
     gains: str | None = None
     observer: str | None = None
@@ -90,7 +91,7 @@ class SeatOptions:
 
     def system(self) -> System:
         """Return the seat suspension of the chosen FMUs, with its default parameters."""
-        return scenarios.seat_suspension(self.fmus_folder / self.flavour)
+        return scenarios.seat_suspension(carried.fmu_folder(self.flavour, self.fmus_folder))
 
     def parameters(self, system: Structure) -> dict[str, Value]:
         """Return the parameters that the options set.
@@ -123,8 +124,21 @@ class SeatOptions:
             found |= scenarios.read_parameter_sets(["passive"], system)
         if self.driver_mass is not None:
             found |= scenarios.driver_mass(self.driver_mass)
-        found |= settings(self.settings, system)
+        found |= with_user_paths(settings(self.settings, system), system)
         return found
+
+    def check(self) -> None:
+        """Check that every option has an effect; to be called by a command.
+
+        Raises
+        ------
+        SetupError
+            If one has none beside the others.
+        """
+        if self.gains:
+            refuse_without_effect(["observer"], f"--gains {self.gains}", "gains have an observer of their own")
+        if self.control in ("off", "passive"):
+            refuse_without_effect(["gains", "observer"], f"--control {self.control}", "the controller gives no force")
 
     @property
     def choices(self) -> list[str]:
@@ -149,7 +163,9 @@ def seat_options(*names: str) -> Callable[[Command], Command]:
         @functools.wraps(command)
         def with_seat(**arguments: Any) -> Any:
             given = {field.name: arguments.pop(field.name) for field in fields(SeatOptions) if field.name in arguments}
-            return command(seat=SeatOptions(**given), **arguments)
+            seat = SeatOptions(**given)
+            seat.check()
+            return command(seat=seat, **arguments)
 
         decorated: Any = with_seat
         for option in reversed([*(OPTIONS[name] for name in names), *_FMU_OPTIONS]):

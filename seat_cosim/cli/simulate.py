@@ -15,8 +15,11 @@ from cosim.engine.step_order import delay
 from cosim.engine.structure import ALGORITHMS, Algorithm
 from cosim.run_folder import run_to_folder
 from cosim.system import System
-from seat_cosim.cli.console import command_line, console, print_outcome, progress_shown
+from seat_cosim.carried import system_file
+from seat_cosim.cli.console import command_line, console, progress_shown
+from seat_cosim.cli.folders import choose_folder, force_option
 from seat_cosim.cli.options import (
+    check_run_options,
     names,
     parameters_option,
     replace_option,
@@ -26,11 +29,14 @@ from seat_cosim.cli.options import (
     set_option,
 )
 from seat_cosim.cli.options import settings as read_settings
+from seat_cosim.cli.outcome import OutputOptions, output_options, print_run, simulated
+from seat_cosim.cli.paths import with_user_paths
+from seat_cosim.plausibility import notes_before
 from seat_cosim.scenarios import read_parameter_sets
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp")
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.ssp|NAME")
 @replace_option
 @click.option(
     "--connect",
@@ -50,6 +56,8 @@ from seat_cosim.scenarios import read_parameter_sets
 @click.option("--order", metavar="A,B,C", help="In which components step [default: the system's, else a proposal]")
 @click.option("--record", multiple=True, metavar="A.x", help="Record this output [default: all]; repeatable.")
 @run_options
+@output_options
+@force_option
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.ssp", help="Write the system as it is run.")
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/simulate/NAME].")
 def simulate(
@@ -73,19 +81,23 @@ def simulate(
 ) -> None:
     """Run any system of FMUs (SSP 1.0); writes result.csv, a figure and run.json, which `rerun` takes.
 
+    SeatSuspension and SeatSuspension-fmi3 are names of this project's systems; anything else is a file.
+
     \b
     Examples:
-      seat-cosim simulate fmus/SeatSuspension.ssp --set seat.driver_mass=70
-      seat-cosim simulate fmus/SeatSuspension.ssp --algorithm jacobi --stop-time 5
-      seat-cosim simulate fmus/SeatSuspension.ssp --replace seat=fmus/fmi3/SeatPlant.fmu
-      seat-cosim simulate fmus/SeatSuspension.ssp --replace shaker=Cabin.fmu \\
+      seat-cosim simulate SeatSuspension --set seat.driver_mass=70 --set controller.driver_mass=70
+      seat-cosim simulate SeatSuspension --algorithm jacobi --stop-time 5
+      seat-cosim simulate SeatSuspension --replace seat=fmus/fmi3/SeatPlant.fmu
+      seat-cosim simulate SeatSuspension --replace shaker=Cabin.fmu \\
           --connect "0.001*shaker.z=seat.floor_displacement" --isolate shaker
     """
-    from seat_cosim.overview import draw_system
-
+    file = system_file(file)
+    check_run_options(how)
+    shown = OutputOptions(how.pop("quiet"), how.pop("as_json"))
     system = System.load(file)
     edit(system, replacements(replace), disconnect, connect)
-    system.parameters |= read_parameter_sets(parameter_files, system) | read_settings(settings, system)
+    system.parameters |= read_parameter_sets(parameter_files, system)
+    system.parameters |= with_user_paths(read_settings(settings, system), system)
     system.start_time = system.start_time if start_time is None else start_time
     system.stop_time = system.stop_time if stop_time is None else stop_time
     system.step_size = system.step_size if step_size is None else step_size
@@ -97,8 +109,10 @@ def simulate(
     end = system.clock().stop_time
     if save:
         system.save(save)
-    _print_exchange(system)
-    folder = output or Path("results", "simulate", file.stem)
+    if shown.prints_text:
+        _print_exchange(system)
+    notes = notes_before(system, {})
+    folder = choose_folder(output, Path("results", "simulate", file.stem), command_line(), force=how.pop("force"))
     with progress_shown(f"running {file.name}") as report:
         options = RunOptions(
             record=record or None,
@@ -107,11 +121,12 @@ def simulate(
             **how,
         )
         result = run_to_folder(system, folder, options, command=command_line())
-    print_outcome(result)
+    from seat_cosim.overview import draw_system  # takes long to load
+
     draw_system(folder / "overview.png", system, result, record)
-    if how["real_time"]:
+    if how["real_time"] and shown.prints_text:
         console.print(f"{result.missed_deadlines} deadlines missed, the worst by {result.worst_lateness * 1e3:.1f} ms")
-    console.print(f"{len(result.time)} rows and figure in {folder}", soft_wrap=True)
+    print_run(simulated(system, folder, result, notes), shown)
 
 
 def _print_exchange(system: System) -> None:

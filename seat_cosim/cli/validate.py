@@ -14,6 +14,7 @@ from rich.table import Table
 from cosim.conformance import TIME_LIMIT
 from cosim.errors import SetupError
 from seat_cosim.cli.console import console, progress_shown
+from seat_cosim.cli.effect import refuse_without_effect
 
 if TYPE_CHECKING:  # the suite is loaded by this command alone
     from cosim.conformance.suite import ValidationReport
@@ -64,12 +65,17 @@ def validate_command(
     from cosim.conformance.suite import validate
 
     if listing:
+        refuse_without_effect(
+            ("files", "only", "skip", "strict", "target", "full", "time_limit"), "--list", "it lists the rules and ends"
+        )
         console.print(_rules())
         return
     if not files:
         raise click.UsageError("Missing argument 'FILE.fmu...'.")
     if missing := [path for path in files if not path.is_file()]:
         raise SetupError(*(f"{path}: expected an FMU, got no such file" for path in missing))
+    if target == "-":
+        refuse_without_effect(["full"], "--json -", "no table is printed")
     found = []
     with RuleRunner() as runner, progress_shown("validating") as report_progress:
         for path in files:

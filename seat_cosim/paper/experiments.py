@@ -28,6 +28,42 @@ EXPERIMENTS: dict[str, Callable[[ExperimentRunner], Iterator[Finding]]] = {
 """Name of an experiment to the function that makes its findings."""
 
 
+_KEYS: dict[str, tuple[str, ...]] = {
+    "parameters": ("table1",),
+    "simulated bump": ("fig05", "fig06", "fig07"),
+    "simulated transmissibility": ("fig08",),
+    "transmissibility on the rig": ("fig10",),
+    "bumps on the rig": ("fig11", "fig12"),
+    "random rides": ("fig13", "fig14", "fig15", "fig16", "table2"),
+    "friction": ("fig18", "fig19"),
+    "beyond the paper": ("beyond",),
+}
+"""Name of an experiment to the entries that it makes."""
+
+_EXPERIMENT_OF = {key: name for name, keys in _KEYS.items() for key in keys}
+
+
+def finding(runner: ExperimentRunner, key: str) -> Finding:
+    """Run experiments until one makes the finding of an entry; others are skipped where that is possible.
+
+    Parameters
+    ----------
+    runner
+        Runs the seat suspension.
+    key
+        Key of an entry of :data:`seat_cosim.paper.contents.CONTENTS`.
+
+    Raises
+    ------
+    KeyError
+        If there is no such entry.
+    CosimError
+        If a run fails.
+    """
+    runner.progress(_EXPERIMENT_OF[key])
+    return next(found for found in EXPERIMENTS[_EXPERIMENT_OF[key]](runner) if found.key == key)
+
+
 def findings(runner: ExperimentRunner) -> list[Finding]:
     """Run all experiments of the paper.
 

@@ -65,6 +65,29 @@ def write(folder: Path, findings: Sequence[Finding], progress: Callable[[str], N
     return page
 
 
+def write_entry(folder: Path, entry: Entry, finding: Finding) -> list[Path]:
+    """Write the CSV file of one entry, with PNG and SVG of a figure.
+
+    Parameters
+    ----------
+    folder
+        Folder of the files; it exists.
+    entry, finding
+        The entry and what was found.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    table = folder / f"{entry.key}.csv"
+    _write_csv(table, finding)
+    if not finding.panels:
+        return [table]
+    _draw(folder, entry, finding)
+    return [table, table.with_suffix(".png"), table.with_suffix(".svg")]
+
+
 def _draw(folder: Path, entry: Entry, finding: Finding) -> str:
     """Draw a figure as SVG and PNG; returns the address under which the page embeds it."""
     vector = folder / f"{entry.key}.svg"

@@ -22,7 +22,12 @@ FILE = re.compile(r"`([\w./-]+\.(?:csv|fmu|json|png|py|ssp))`")
 RUNNERS = {"sh": ["bash", "-eu"], "python": [sys.executable, "-"]}
 """Language of a block to what runs it, from its standard input."""
 
-SHOWN = {"text": "output of the block before", "console": "set-up of a clone, which `.ci/run` runs"}
+SHOWN = {
+    **dict.fromkeys(("c", "json", "xml", "toml", "mermaid"), "a listing"),
+    "text": "output of the block before",
+    "console": "set-up of a clone, which `.ci/run` runs",
+    "": "the same",
+}
 """Languages of blocks that are not run, and why."""
 
 
@@ -41,7 +46,7 @@ def blocks(page: str) -> list[Block]:
         assert language in RUNNERS or language in SHOWN, f"```{language}: expected {', '.join({**RUNNERS, **SHOWN})}"
         if language in RUNNERS:
             found.append(Block(language, text, ""))
-        elif language == "text":
+        elif language == "text" and found:
             found[-1] = found[-1]._replace(output=text)
     return found
 

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import fmpy
@@ -24,6 +25,7 @@ from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Experiment
 from cosim.fmi.versions import instantiate
 from fmus.component import Component
+from fmus.export import compiler
 from fmus.export import native_fmu as native_build
 from fmus.export.fmu_file import BuildError
 from fmus.export.native_fmu import PLATFORMS, STANDARDS, build_native_fmu, compile_binary, host_platform, source_files
@@ -359,7 +361,8 @@ def test_builds_are_bit_identical_and_left_alone(native: Path, tmp_path: Path):
 def test_the_guid_follows_the_sources_and_the_compiler(native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     guids = [fmpy.read_model_description(str(native / "fmi2" / "Shaker.fmu")).guid]
     with monkeypatch.context() as patch:
-        patch.setattr(native_build, "_compiler_version", lambda: "another")
+        compiler = native_build.find_compiler()
+        patch.setattr(native_build, "find_compiler", lambda: compiler._replace(version="another"))
         guids.append(
             fmpy.read_model_description(str(build_native_fmu("fmi2", COMPONENTS[2], EXPERIMENT, tmp_path).path)).guid
         )
@@ -385,6 +388,28 @@ def test_a_missing_platform_is_built_and_a_failing_compiler_reported(
     monkeypatch.undo()
     with pytest.raises(BuildError, match=r"Shaker for x86_64-linux: zig ended with 1: .*error"):
         compile_binary("Shaker", {"shaker.c": b"no C"}, PLATFORMS["x86_64-linux"])
+
+
+@linux
+def test_without_zig_the_machines_compiler_gives_the_same_results(
+    native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def missing(package: str) -> str:
+        raise PackageNotFoundError(package)
+
+    monkeypatch.setattr(compiler, "version", missing)
+    for component in COMPONENTS:
+        build_native_fmu("fmi2", component, EXPERIMENT, tmp_path)
+    guids = {fmpy.read_model_description(str(f / "Shaker.fmu")).guid for f in (tmp_path, native / "fmi2")}
+    assert len(guids) == 2
+    parameters = {**SCENARIOS["random"].parameters, **control(True)}
+    ours, theirs = (seat_suspension(folder).simulate(3.0, H, parameters) for folder in (tmp_path, native / "fmi2"))
+    assert np.array_equal(ours.rows, theirs.rows)
+    with pytest.raises(BuildError, match="Shaker for x86_64-windows: expected the compiler zig .* got none; run: pip"):
+        build_native_fmu("fmi2", COMPONENTS[2], EXPERIMENT, tmp_path, ["x86_64-windows"])
+    monkeypatch.setattr(compiler.shutil, "which", lambda name: None)
+    with pytest.raises(BuildError, match="expected a C compiler, got none; run: pip install"):
+        build_native_fmu("fmi2", COMPONENTS[2], EXPERIMENT, tmp_path)
 
 
 def declared_functions(flavour: str) -> set[str]:
@@ -525,25 +550,3 @@ def test_fmus_for_all_platforms_are_small_and_valid(everywhere: Path, flavour: s
 def test_builds_for_all_platforms_are_bit_identical(everywhere: Path, tmp_path: Path):
     built = build_native_fmu("fmi3", COMPONENTS[1], EXPERIMENT, tmp_path, tuple(PLATFORMS))
     assert built.path.read_bytes() == fmu(everywhere, "fmi3", COMPONENTS[1]).read_bytes()
-
-
-@pytest.mark.long
-def test_a_wheel_exports_the_fmus_without_a_compiler(everywhere: Path, tmp_path: Path):
-    project = tmp_path / "project"
-    kept = shutil.ignore_patterns(
-        ".git", ".venv", "results", "*.egg-info", ".*_cache", "fmi2", "fmi3", "python", "built"
-    )
-    shutil.copytree(ROOT, project, ignore=kept)
-    shutil.copytree(everywhere, project / "fmus" / "built")
-    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*pip, "wheel", "--no-deps", "--wheel-dir", tmp_path, project], check=True)
-    (wheel,) = tmp_path.glob("*.whl")
-    subprocess.run([*pip, "install", "--no-deps", "--target", tmp_path / "site", wheel], check=True)
-    script = "import sys; sys.path.insert(0, sys.argv.pop(1)); from seat_cosim.cli.main import main; main()"
-    command = [sys.executable, "-c", script, str(tmp_path / "site"), "fmus", "--export", "out"]
-    environment = {"PATH": "/nowhere", "PYTHONPATH": str(tmp_path / "site")}
-    subprocess.run(command, cwd=tmp_path, env=environment, check=True)
-    for flavour in NATIVE:
-        for component in COMPONENTS:
-            exported = fmu(tmp_path / "out", flavour, component)
-            assert exported.read_bytes() == fmu(everywhere, flavour, component).read_bytes()

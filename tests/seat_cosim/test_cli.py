@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 
 from cosim import Result, System
 from seat_controller_fmu.design.gains import preset
+from seat_cosim import carried
+from seat_cosim.cli.design import design
+from seat_cosim.scenarios import seat_suspension
 from tests.helpers.files import read_csv
 from tests.helpers.shell import Shell
 
@@ -105,15 +110,55 @@ def test_run_takes_gains_by_name_and_by_file(shell: Shell, tmp_path: Path):
     assert results["recommended"] == results["mine.json"] != results["published"]
 
 
-def test_observer_wins_over_the_gains(shell: Shell, tmp_path: Path):
-    for gains in ("published", "recommended"):
-        words = ("--gains", gains, "--set", "controller.K1.rate=-90", "--stop-time", "0.1", "--output", gains)
-        assert shell("run", "bump", "--observer", "2", *words)[0] == 0
-    tables = [read_csv(tmp_path / gains / "result.csv") for gains in ("published", "recommended")]
-    # both observers are made of Gamma_2 now: the same first estimate but for the mass range
-    first = [table["controller.disturbance_estimate"][1] for table in tables]
-    assert first[0] == pytest.approx(first[1], rel=0.05)
-    assert abs(first[0]) > 5.0
+@pytest.mark.parametrize(("number", "gamma"), [("1", "-3e-6"), ("2", "-1e-6")])
+def test_the_observer_is_that_of_gamma(shell: Shell, tmp_path: Path, number: str, gamma: str):
+    for name, words in (("named", ("--observer", number)), ("set", ("--set", f"controller.observer_gamma={gamma}"))):
+        assert shell("run", "bump", *words, "--stop-time", "0.4", "--output", name)[0] == 0
+    assert (tmp_path / "named" / "result.csv").read_bytes() == (tmp_path / "set" / "result.csv").read_bytes()
+
+
+NO_EFFECT = [
+    ("design --gains published --observer-gamma -1e-6", "--observer-gamma with --gains published"),
+    ("design --gains published --observer-rate -30", "--observer-rate with --gains published"),
+    ("design --gains published --observer-gains -4000 -3500", "--observer-gains with --gains published"),
+    ("design --gains published --driver-mass-min 40", "--driver-mass-min with --gains published"),
+    ("design --gains published --driver-mass-max 120", "--driver-mass-max with --gains published"),
+    ("design --gains published --objective lambda", "--objective with --gains published"),
+    ("design --gains published --follow 0.2", "--follow with --gains published"),
+    ("design --gains published --force-weight 2", "--force-weight with --gains published"),
+    ("design --gains published --alpha 0.1", "--alpha with --gains published"),
+    ("design --gains published --c0 2", "--c0 with --gains published"),
+    ("design --gains published --p2 2", "--p2 with --gains published"),
+    ("design --gains published --solver SCS", "--solver with --gains published"),
+    ("design --gains published --pareto", "--pareto or --no-pareto: expected with --output FOLDER"),
+    ("design --objective margin --follow 0.2", "--follow with --objective margin"),
+    ("design --objective lambda --force-weight 1", "--force-weight with --objective lambda"),
+    ("run bump --gains recommended --observer 2", "--observer with --gains recommended"),
+    ("run bump --gains published --observer 1", "--observer with --gains published"),
+    ("run bump --control off --gains recommended", "--gains with --control off"),
+    ("run bump --control passive --observer 2", "--observer with --control passive"),
+    ("run bump --control passive --compare passive", "--compare with --control passive"),
+    ("run bump --time-limit 3", "--time-limit 3: expected with --isolate COMPONENT"),
+    ("evaluate --gains recommended --observer 2", "--observer with --gains recommended"),
+    ("build --flavour python --platforms all", "--platforms with --flavour python"),
+    ("validate --list --strict", "--strict with --list"),
+    ("validate --list Some.fmu", "FILE.fmu with --list"),
+]
+
+
+@pytest.mark.parametrize(("line", "message"), NO_EFFECT)
+def test_an_option_without_effect_is_an_error_that_names_both(shell: Shell, tmp_path: Path, line: str, message: str):
+    code, out, err = shell(*line.split())
+    assert (code, out) == (2, "")
+    assert message in err
+    assert not list(tmp_path.rglob("*.*"))
+
+
+def test_every_option_of_a_design_counts_or_is_refused_with_given_gains():
+    """No option of `design` may be forgotten in the list above."""
+    used = {"--gains", "--lambda", "--output"}
+    options = {option.opts[0] for option in design.params if isinstance(option, click.Option)} - used
+    assert options == {message.split()[0] for line, message in NO_EFFECT if line.startswith("design --gains")}
 
 
 def test_design_certifies_a_preset(shell: Shell):
@@ -230,20 +275,59 @@ def test_build_prints_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_pat
     assert "SeatSuspension.ssp" not in out
 
 
-def test_fmus_of_a_wheel_are_exported(shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    from fmus.export import fmu_file as archive
-
-    monkeypatch.setattr(archive, "CARRIED", tmp_path / "none")
-    code, _, err = shell("fmus", "--export", "out")
+@pytest.mark.parametrize("words", [("export", "out"), ("fmus", "--export", "out")])
+def test_what_the_package_carries_is_exported(
+    words: tuple[str, ...], shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path / "none", tmp_path / "none"))
+    code, _, err = shell(*words)
     assert code == 2
     assert "expected the FMUs of a wheel, got none; build them: seat-cosim build" in err
-    monkeypatch.setattr(archive, "CARRIED", native)
-    code, out, _ = shell("fmus", "--export", "out")
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path / "none", native))
+    code, out, _ = shell(*words)
     assert code == 0
     assert str(Path("out", "fmi3", "Shaker.fmu")) in out
     exported = tmp_path / "out" / "fmi2" / "SeatPlant.fmu"
     assert exported.read_bytes() == (native / "fmi2" / "SeatPlant.fmu").read_bytes()
     assert exported.with_name("SeatPlant_ref.csv").exists()
+    assert shell(*words)[0] == 0
+    (tmp_path / "out" / "examples" / "foreign" / "cabin.py").write_text("# mine\n")
+    code, _, err = shell(*words)
+    assert code == 2
+    assert "cabin.py: expected no other file of this name, got one; --force replaces it" in err
+    assert shell(*words, "--force")[0] == 0
+
+
+def test_fmus_here_win_over_those_of_the_package(
+    shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    for name in ("clone", "wheel", "fmus"):
+        (tmp_path / name / "fmi2").mkdir(parents=True)
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path / "clone", tmp_path / "wheel"))
+    found = []
+    for name in ("wheel", "clone", "fmus"):
+        shutil.copytree(native / "fmi2", tmp_path / name / "fmi2", dirs_exist_ok=True)
+        assert shell("run", "bump", "--stop-time", "0.1", "--output", name + "-run", fmus=False)[0] == 0
+        run = json.loads((tmp_path / f"{name}-run" / "run.json").read_text())
+        found.append(run["components"]["seat"]["fmu"])
+    assert found == [
+        f"{tmp_path}/wheel/fmi2/SeatPlant.fmu",
+        f"{tmp_path}/clone/fmi2/SeatPlant.fmu",
+        "fmus/fmi2/SeatPlant.fmu",
+    ]
+
+
+def test_a_system_of_this_project_has_a_name(
+    shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path, tmp_path / "none"))
+    code, _, err = shell("simulate", "SeatSuspension")
+    assert code == 2
+    assert "system SeatSuspension: expected a system in fmus (run: seat-cosim build), got no such file" in err
+    seat_suspension(native / "fmi3").save(tmp_path / "SeatSuspension-fmi3.ssp")
+    assert shell("simulate", "SeatSuspension-fmi3", "--stop-time", "0.1")[0] == 0
+    code, _, err = shell("simulate", "SeatSuspensoin")
+    assert (code, "did you mean SeatSuspension-fmi3?" in err) == (2, True)
 
 
 def test_run_writes_the_chosen_formats_and_every_nth_row(shell: Shell, tmp_path: Path):
@@ -257,7 +341,9 @@ def test_run_writes_the_chosen_formats_and_every_nth_row(shell: Shell, tmp_path:
     assert not (tmp_path / "here" / "result.mf4").exists()
 
 
-@pytest.mark.parametrize("command", [[], ["build"], ["fmus"], ["run"], ["reproduce"], ["rerun"], ["design"]])
+@pytest.mark.parametrize(
+    "command", [[], ["build"], ["export"], ["fmus"], ["run"], ["reproduce"], ["rerun"], ["design"]]
+)
 def test_help_has_an_example(shell: Shell, command: list[str]):
     code, out, _ = shell(*command, "--help", fmus=False)
     assert code == 0

@@ -39,9 +39,9 @@ def test_the_readme_names_every_input_and_output():
                 assert f"`{variable.name}`" in readme, f"{component.name}.{variable.name}"
 
 
-def test_the_readmes_script_runs(native: Path, tmp_path: Path):
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    script = next(block for block in re.findall(r"```python\n(.*?)```", readme, re.DOTALL) if "FMU2Slave" in block)
+def test_the_script_of_one_fmu_prints_what_its_page_says(native: Path, tmp_path: Path):
+    page = (ROOT / "docs" / "how-to" / "run-one-fmu.md").read_text(encoding="utf-8")
+    script = next(block for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "FMU2Slave" in block)
     (tmp_path / "fmus").symlink_to(native)
     (tmp_path / "script.py").write_text(script, encoding="utf-8")
     found = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False)

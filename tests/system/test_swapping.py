@@ -66,7 +66,9 @@ def test_another_controller_isolates_our_seat(native: Path, foreign: Path):
     ours, theirs = (seat_suspension(native / "fmi2") for _ in range(2))
     bump = SCENARIOS["bump"].parameters
     theirs.replace(
-        "controller", foreign / "Skyhook.fmu", {"controller.acc": "seat.seat_acceleration_measured", "seat.force": "F"}
+        "controller",
+        foreign / "Damper.fmu",
+        {"controller.acc": "seat.seat_acceleration_measured", "seat.force": "F"},
     )
     uncontrolled = ours.simulate(2.0, parameters={**bump, **control(False)})
     skyhook = theirs.simulate(2.0, parameters=bump, isolate=("controller",))

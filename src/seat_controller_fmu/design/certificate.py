@@ -33,6 +33,9 @@ MIN_MARGIN = 1e-8
 DRIVER_MASSES = tuple(float(mass) for mass in range(45, 121, 5))
 """Driver masses in kg for the sampled loop, inside and outside the range of the design."""
 
+_MASS_STEP = 5.0
+"""Distance of the masses of the sampled loop, in kg."""
+
 _INFEASIBLE = 1e6
 _LAMBDA_ROW = 3  # the only row of (30) with lambda
 _OTHER_ROWS = [0, 1, 2, 4, 5]
@@ -79,11 +82,10 @@ class Certificate:
         ]
         if not self.worst_case_lambda < self.lambda_:
             failed.append(f"true gain: expected below lambda = {self.lambda_:g}, got {self.worst_case_lambda:.4g}")
-        failed += [
-            f"sampled loop: expected stable at {mass:g} kg, got unstable without any extra delay"
-            for mass, margin in self.delay_margin_ms.items()
-            if math.isnan(margin)
-        ]
+        unstable = [f"{mass:g}" for mass, margin in self.delay_margin_ms.items() if math.isnan(margin)]
+        if unstable:
+            masses = "all drivers" if len(unstable) == len(self.delay_margin_ms) else f"{', '.join(unstable)} kg"
+            failed.append(f"sampled loop: expected stable at {masses}, got unstable without any extra delay")
         return failed
 
     def figures(self) -> dict[str, Any]:
@@ -261,6 +263,30 @@ def worst_case_lambda(setting: Setting, feedback: tuple[Any, Any]) -> float:
     return worst
 
 
+def masses_of(setting: Setting) -> tuple[float, ...]:
+    """Return the driver masses of the sampled loop: :data:`DRIVER_MASSES`, and the range of a design that exceeds them.
+
+    Parameters
+    ----------
+    setting
+        Setting of the design.
+
+    Returns
+    -------
+    tuple of float
+        In kg, ascending.
+
+    Examples
+    --------
+    >>> from seat_controller_fmu.design.gains import preset
+    >>> masses_of(preset("recommended").setting) == DRIVER_MASSES
+    True
+    """
+    low, high = setting.driver_mass_min, setting.driver_mass_max
+    between = np.arange(math.ceil(low / _MASS_STEP) * _MASS_STEP, high, _MASS_STEP)
+    return tuple(sorted({*DRIVER_MASSES, low, *map(float, between), high}))
+
+
 def delay_margins(gains: Gains, seat_for: SeatFor, masses: tuple[float, ...] = DRIVER_MASSES) -> dict[float, float]:
     """Return the delay margins of the sampled loop.
 
@@ -312,5 +338,5 @@ def certify(gains: Gains, seat_for: SeatFor, lambda_: float | None = None) -> Ce
         Q=None if Q is None else ((float(Q[0, 0]), float(Q[0, 1])), (float(Q[1, 0]), float(Q[1, 1]))),
         certified_lambda=smallest,
         worst_case_lambda=worst_case_lambda(gains.setting, gains.feedback),
-        delay_margin_ms=delay_margins(gains, seat_for),
+        delay_margin_ms=delay_margins(gains, seat_for, masses_of(gains.setting)),
     )

@@ -89,7 +89,7 @@ def test_other_validators_would_find_something(foreign: Path, monkeypatch: pytes
     ("name", "expected"),
     [
         ("Cabin", {"variables.combinations", "structure.initial-unknowns", "steps.stop-time"}),
-        ("Skyhook", {"variables.combinations", "structure.initial-unknowns", "steps.stop-time"}),
+        ("Damper", {"variables.combinations", "structure.initial-unknowns", "steps.stop-time"}),
         ("Truck", {"steps.stop-time"}),
         ("Chair", {"steps.stop-time", "steps.time"}),
     ],

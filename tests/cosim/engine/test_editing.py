@@ -86,7 +86,7 @@ def test_what_goes_wrong_changes_nothing(system: System, foreign: Path):
 def test_two_fmus_are_replaced_at_once(system: System, foreign: Path):
     edit(
         system,
-        {"seat": foreign / "Chair.fmu", "controller": foreign / "Skyhook.fmu"},
+        {"seat": foreign / "Chair.fmu", "controller": foreign / "Damper.fmu"},
         ["seat.dzv"] if VariableRef("seat", "dzv") in system.connections else [],
         [
             "shaker.floor_displacement=seat.zv",
@@ -112,7 +112,9 @@ def test_a_new_connection_takes_the_place_of_a_replaced_one_only(system: System,
 
 def test_parameters_without_variability_are_repaired(foreign: Path, system: System):
     system.replace(
-        "controller", foreign / "Skyhook.fmu", {"controller.acc": "seat.seat_acceleration_measured", "seat.force": "F"}
+        "controller",
+        foreign / "Damper.fmu",
+        {"controller.acc": "seat.seat_acceleration_measured", "seat.force": "F"},
     )
     assert system.models["controller"].variables["damping"].variability == "fixed"
     assert system.check_parameters({"controller.damping": 500.0})["controller"] == {"damping": 500.0}

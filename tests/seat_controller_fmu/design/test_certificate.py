@@ -11,9 +11,11 @@ import pytest
 from plant_models.seat.interface import Parameters as Seat
 from seat_controller_fmu.design import certificate as module
 from seat_controller_fmu.design.certificate import (
+    DRIVER_MASSES,
     MIN_MARGIN,
     block_margins,
     certify,
+    masses_of,
     smallest_lambda,
     worst_case_lambda,
 )
@@ -177,3 +179,13 @@ def test_isolation_is_better_than_one_from_the_following_frequency_on():
     found = transmissibility(preset("recommended"), nominal_seat, 80.0, np.array([0.01, 1.0, 3.0, 10.0]))
     assert found[0] == pytest.approx(1.0, abs=0.02)
     assert (found[1:] < 0.45).all()
+
+
+def test_delay_margins_are_over_the_whole_range_of_the_design():
+    setting = replace(preset("recommended").setting, driver_mass_min=32.5, driver_mass_max=151.0)
+    masses = masses_of(setting)
+    assert (masses[0], masses[1], masses[-2], masses[-1]) == (32.5, 35.0, 150.0, 151.0)
+    assert set(DRIVER_MASSES) < set(masses)
+    assert masses_of(preset("published").setting) == DRIVER_MASSES
+    certificate = certify(replace(preset("recommended"), setting=setting), nominal_seat)
+    assert tuple(certificate.delay_margin_ms) == masses

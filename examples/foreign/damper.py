@@ -5,7 +5,7 @@ import math
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
 
-class Skyhook(Fmi2Slave):
+class Damper(Fmi2Slave):
     """Force F = -c v, with v the seat acceleration integrated above a corner frequency."""
 
     def __init__(self, **kwargs):

@@ -1,0 +1,82 @@
+"""``seat-cosim compare``: the same ride with several controllers, in one table and one figure."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from cosim.errors import writing_to
+from seat_cosim.cli.console import command_line, console, print_notes, print_warnings, progress_shown
+from seat_cosim.cli.folders import EVALUATION, choose_folder, force_option, write_command
+from seat_cosim.cli.outcome import OutputOptions, output_options, print_rides
+from seat_cosim.cli.seat_options import SeatOptions, seat_options
+from seat_cosim.plausibility import explained, notes_after
+from seat_cosim.scenarios import SCENARIOS
+
+PASSIVE = ("off", "passive")
+"""What can be compared without a controller, whose gains then do not matter."""
+
+
+@click.command()
+@click.argument("controllers", nargs=-1, required=True, metavar="A B...")
+@click.option("--scenario", type=click.Choice(list(SCENARIOS)), default="bump", show_default=True)
+@seat_options("driver_mass", "parameter_files", "settings")
+@click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
+@output_options
+@force_option
+@click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/compare/SCENARIO].")
+def compare(
+    controllers: tuple[str, ...],
+    scenario: str,
+    seat: SeatOptions,
+    stop_time: float | None,
+    quiet: bool,
+    as_json: bool,
+    force: bool,
+    output: Path | None,
+) -> None:
+    """Ride the same with several controllers: a table and a figure (comparison.png), a folder with result.csv for each.
+
+    \b
+    Each of A B... is a preset of gains (published, table1-printed, recommended), a gains.json, observer1, observer2,
+    off (no force), passive (the passive seat), or the FMU of another controller with our variables.
+    Examples:
+      seat-cosim compare passive published recommended
+      seat-cosim compare observer1 observer2 --scenario random --driver-mass 80
+    """
+    from seat_cosim import compare as comparison
+
+    chosen = SCENARIOS[scenario]
+    duration = chosen.stop_time if stop_time is None else stop_time
+    folder = choose_folder(output, Path("results", "compare", scenario), command_line(), force=force, marker=EVALUATION)
+    ridden = []
+    with progress_shown("comparing") as report:
+        for ride in comparison.rides(
+            controllers,
+            seat.system,
+            lambda system: {**chosen.parameters, **seat.parameters(system)},
+            duration,
+            folder,
+            command_line(),
+        ):
+            report(ride.variant.title)
+            ridden.append(ride)
+        with writing_to(folder):
+            comparison.draw_comparison(folder / "comparison.png", f"Seat suspension, {scenario}", ridden)
+    write_command(folder / EVALUATION, command_line())
+    for ride in ridden:
+        print_warnings(
+            f"{ride.variant.title}: {text}"
+            for text in explained(ride.result.warnings, ride.variant.title, control=ride.variant.title not in PASSIVE)
+        )
+    shown = OutputOptions(quiet, as_json)
+    if not quiet:
+        print_notes(dict.fromkeys(note for ride in ridden for note in notes_after(ride.result)))
+    rides = {ride.variant.title: ride.summary for ride in ridden}
+    if as_json:
+        click.echo(json.dumps({"folder": str(folder), "rides": {k: v.as_json() for k, v in rides.items()}}, indent=2))
+    if shown.prints_text:
+        print_rides(rides)
+        console.print(f"comparison.png and {len(ridden)} runs in {folder}", soft_wrap=True)
