@@ -34,7 +34,8 @@ from fmus.export.native_fmu import OPTIONS
 from seat_cosim.scenarios import OVERVIEW, seat_suspension
 
 STEPS, H = 30_000, 0.002
-SIGNALS = [VariableRef(*name.split(".")) for names in OVERVIEW.values() for name in names][:6]
+SIGNALS = [name for names in OVERVIEW.values() for name in names][:6]
+REFS = [VariableRef(*name.split(".")) for name in SIGNALS]
 PARAMETERS = {"seat.driver_mass": 70.0, "controller.driver_mass": 70.0, "shaker.profile": "bump"}
 ROUNDS = {True: 25, False: 3}
 """Rounds of quick masters and of slow ones."""
@@ -124,11 +125,11 @@ class Plain:
 
     def run(self) -> None:
         """Step from 0 to the stop time."""
-        wanted = {*self._connections.values(), *SIGNALS}
+        wanted = {*self._connections.values(), *REFS}
         inputs = {name: [p for p in self._connections if p.component == name] for name in self._fmus}
         outputs = {name: sorted(p for p in wanted if p.component == name) for name in self._fmus}
-        to_set = {name: [self._references[name][p.variable] for p in ports] for name, ports in inputs.items()}
-        to_get = {name: [self._references[name][p.variable] for p in ports] for name, ports in outputs.items()}
+        to_set = {name: [self._references[name][ref.variable] for ref in refs] for name, refs in inputs.items()}
+        to_get = {name: [self._references[name][ref.variable] for ref in refs] for name, refs in outputs.items()}
         values: dict[VariableRef, float] = {}
         for name, fmu in self._fmus.items():
             fmu.reset()
@@ -136,11 +137,10 @@ class Plain:
             fmu.enterInitializationMode()
             fmu.exitInitializationMode()
             values.update(zip(outputs[name], fmu.getReal(to_get[name]), strict=True))
-        signals = SIGNALS
         rows = []
         for k in range(STEPS):
             time = k * H
-            rows.append((time, *(values[port] for port in signals)))
+            rows.append((time, *(values[ref] for ref in REFS)))
             for name in ("controller", "seat", "shaker"):
                 fmu = self._fmus[name]
                 if inputs[name]:
