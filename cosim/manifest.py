@@ -125,6 +125,8 @@ class Manifest:
         In s.
     tolerance
         For all FMUs; None where each had that of its default experiment.
+    reached
+        Time of the last row, in s; None where there are no rows.
     """
 
     format: Literal[1]
@@ -152,6 +154,7 @@ class Manifest:
     time_limit: float = TIME_LIMIT
     start_time: float = 0.0
     tolerance: float | None = None
+    reached: float | None = None
 
     @classmethod
     def of(
@@ -218,9 +221,7 @@ class Manifest:
             tolerance=options.tolerance,
         )
 
-    def ended(
-        self, complete: bool, error: Exception | None, warnings: Iterable[str], sinks: Sequence[FileSink]
-    ) -> Manifest:
+    def ended(self, complete: bool, error: str | None, warnings: Iterable[str], sinks: Sequence[FileSink]) -> Manifest:
         """Describe the same run after its end, when its files are written.
 
         Parameters
@@ -240,13 +241,27 @@ class Manifest:
             A copy with the end of the run.
         """
         return replace(
-            self,
+            self.reaching(sinks[0]),
             complete=complete,
-            rows=sinks[0].rows,
-            error=None if error is None else str(error),
+            error=error,
             warnings=list(warnings),
             files={sink.path.name: sha256(sink.path) for sink in sinks if sink.path.is_file()},
         )
+
+    def reaching(self, sink: FileSink) -> Manifest:
+        """Describe the same run after some of its rows.
+
+        Parameters
+        ----------
+        sink
+            The sink that wrote them.
+
+        Returns
+        -------
+        Manifest
+            A copy with their number and the time of the last one.
+        """
+        return replace(self, rows=sink.rows, reached=sink.reached if sink.rows else None)
 
     def write(self, folder: Path) -> None:
         """Write ``run.json`` to an existing folder; an earlier one is replaced atomically.

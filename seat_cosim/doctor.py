@@ -13,6 +13,7 @@ from pathlib import Path
 
 from cosim.engine import native_stepper
 from cosim.fmi.description import ModelDescription
+from cosim.fmi.temporary_folders import leftovers
 from fmus import FLAVOURS
 from fmus.export.compiler import find_compiler
 from fmus.export.fmu_file import BuildError
@@ -69,6 +70,8 @@ def _machine() -> Iterator[Fact]:
     yield Fact("machine", "cores", str(os.cpu_count()))
     folder = Path(tempfile.gettempdir())
     yield Fact("machine", "temporary folder", str(folder), os.access(folder, os.W_OK))
+    if found := leftovers():
+        yield Fact("machine", "leftovers", f"{len(found)} of killed runs there; run: seat-cosim doctor --clean", None)
 
 
 def _version(package: str) -> str | None:

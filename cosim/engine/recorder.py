@@ -89,7 +89,7 @@ class Recorder:
             yield
             return
         self._callback_context = callback_context
-        begun = []
+        begun: list[Sink] = []
         try:
             with callback_context():
                 for sink in sinks:
@@ -98,8 +98,7 @@ class Recorder:
             yield
         finally:
             with callback_context():
-                for sink in begun:
-                    sink.end(self.complete)
+                _for_all(begun, lambda sink: sink.end(self.complete))
 
     @property
     def capacity(self) -> int:
@@ -146,12 +145,20 @@ class Recorder:
     def _write(self, filled: int) -> None:
         self._filled = filled
         if filled > self._written:
+            rows, self._written = self.rows[self._written : filled], filled
             if self._sinks:
                 with self._callback_context():
-                    for sink in self._sinks:
-                        sink.write(self.rows[self._written : filled])
-            self._written = filled
+                    _for_all(self._sinks, lambda sink: sink.write(rows))
 
     def recorded(self) -> np.ndarray[Any, Any]:
         """Return the rows that are kept, shape (rows, 1 + names)."""
         return self.rows[: self._filled if self._keep else 0]
+
+
+def _for_all(sinks: Sequence[Sink], call: Callable[[Sink], None]) -> None:
+    """Call all sinks in their order, also where one of them fails."""
+    if sinks:
+        try:
+            call(sinks[0])
+        finally:
+            _for_all(sinks[1:], call)

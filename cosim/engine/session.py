@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from copy import copy
+from os import getpid
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,14 +28,15 @@ from cosim.errors import CosimError, RunError, SetupError
 from cosim.fmi import python_modules
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.instance import Experiment, Instance
-from cosim.fmi.interrupts import check, critical_section, deferring_sigint
+from cosim.fmi.interrupts import Ended, check, check_ended, critical_section, deferring_signals
 from cosim.fmi.isolated import TIME_LIMIT, AnyInstance, IsolatedInstance
 from cosim.fmi.output_capture import OutputCapture
+from cosim.fmi.temporary_folders import temporary_folder
 from cosim.fmi.versions import instantiate
 from cosim.results.result import Result, StepperName
 
-_taken: set[str] = set()
-"""Tokens of FMUs that are instantiated in this process and allow one instance per process only."""
+_taken: dict[str, object] = {}
+"""Tokens of FMUs that are instantiated in this process and allow one instance per process only, with who has them."""
 
 
 class _Preparation(NamedTuple):
@@ -91,6 +92,8 @@ class Session:
         self._capturing = capture_stdout
         self._capture: OutputCapture | None = None
         self._stack = ExitStack()
+        self._process = getpid()
+        self._owned: set[str] = set()
         self._instances: dict[str, AnyInstance] = {}
         self._warnings: list[str] = []
         self._load_notes: list[str] = []
@@ -102,8 +105,9 @@ class Session:
 
     def __enter__(self) -> Session:
         """Extract, instantiate and connect all FMUs."""
+        self._process = getpid()
         self._capture = OutputCapture() if self._capturing else None
-        self._stack.enter_context(deferring_sigint())
+        self._stack.enter_context(deferring_signals())
         try:
             with self._calling_fmus():
                 for name, model in self._system.models.items():
@@ -120,7 +124,7 @@ class Session:
         self._free()
 
     def _load(self, name: str, model: ModelDescription) -> None:
-        folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="seat-cosim-")))
+        folder = self._stack.enter_context(temporary_folder())
         model.extract(folder)
         instance: AnyInstance
         if name in self.isolated or self._must_be_isolated(name, model, folder):
@@ -135,10 +139,8 @@ class Session:
         reason = ""
         if self._is_taken(model):
             reason = "its FMU can be instantiated only once in a process"
-        elif module := python_modules.clash(folder):
+        elif module := python_modules.claim(folder):
             reason = f"its Python module {module} is another one than the {module} of this process"
-        else:
-            python_modules.claim(folder)
         if reason and os.name != "posix":
             raise SetupError(
                 f"{name}: expected Linux or macOS, where it could run in a process of its own, got {sys.platform}; "
@@ -153,10 +155,10 @@ class Session:
         if not model.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
             return False
         token = str(model.description.guid)
-        if token in _taken:
+        if _taken.setdefault(token, self) is not self or token in self._owned:
             return True
-        _taken.add(token)
-        self._stack.callback(_taken.discard, token)
+        self._owned.add(token)
+        self._stack.callback(_taken.pop, token)
         return False
 
     def _lay_out(self, sizes: Sizes) -> None:
@@ -173,7 +175,13 @@ class Session:
         self._sizes, self._preparation = sizes, None
 
     def _free(self) -> None:
-        """Free what was loaded; messages of the FMUs meanwhile join the warnings of the last run."""
+        """Free what was loaded; messages of the FMUs meanwhile join the warnings of the last run.
+
+        A fork frees nothing: folders and processes are its parent's.
+        """
+        if getpid() != self._process:
+            self._stack.pop_all()
+            return
         instances = {name: (instance, set(instance.warnings)) for name, instance in self._instances.items()}
         self._instances.clear()
         self._preparation = None
@@ -188,7 +196,7 @@ class Session:
 
     @contextmanager
     def _calling_fmus(self) -> Iterator[None]:
-        """Capture what FMUs print, and defer interrupts until nothing is left half done."""
+        """Capture what FMUs print, and defer signals until nothing is left half done."""
         with critical_section(), self._capture.on() if self._capture is not None else nullcontext():
             yield
 
@@ -230,6 +238,12 @@ class Session:
         checked
             What :meth:`RunOptions.check` returned for this session's system, where it was called already.
         """
+        if getpid() != self._process:
+            raise SetupError(
+                f"session: expected the process that loaded the FMUs ({self._process}), got a fork of it "
+                f"({getpid()}); open a session there, or start processes with spawn"
+            )
+        check_ended()
         checked = self._checked = checked or options.check(self._system, self._checked)
         with self._calling_fmus():
             self._lay_out(checked.sizes)
@@ -339,6 +353,11 @@ class Session:
             error: CosimError = failure
         except KeyboardInterrupt:
             error = RunError(f"interrupted at t = {clock.time(stepper.done):g} s")
+        except Ended as ended:
+            error = RunError(f"{ended} at t = {clock.time(stepper.done):g} s")
+        except BaseException:  # of the caller's own code
+            recorder.flush(stepper.done)
+            raise
         else:
             recorder.record_last()
             return None
@@ -359,4 +378,6 @@ class Session:
             check()
         except KeyboardInterrupt:
             error = error or RunError(f"interrupted at t = {time:g} s")
+        except Ended as ended:
+            error = error or RunError(f"{ended} at t = {time:g} s")
         return error if isinstance(error, Exception) else None

@@ -129,6 +129,7 @@ class ChildProcess:
 
 
 def parent_connection() -> Connection:
-    """Return the pipe to the process that started this one; its interrupts are the parent's business."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Return the pipe to the process that started this one; signals to all processes are the parent's business."""
+    for number in (signal.SIGINT, *interrupts.ENDING):
+        signal.signal(number, signal.SIG_IGN)
     return Connection(int(sys.argv[1]))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, chdir, suppress
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -19,6 +19,7 @@ from fmpy.model_description import ModelVariable
 from cosim.errors import RunError
 from cosim.fmi.access import AccessCall, NativeCalls, VariableAccess, VariableMapping
 from cosim.fmi.description import ModelDescription
+from cosim.fmi.library import load_library
 from cosim.fmi.messages import WARNING, MessageLog
 from cosim.fmi.output_capture import printed
 from cosim.fmi.values import EVERYTHING, Checked, may_be_inexact
@@ -109,16 +110,12 @@ class Instance(ABC):
         self._running = False  # so that it must be terminated
         self._fatal = False
         self._reached = 0.0
-        self.fmu = self.FMPY_CLASS.__new__(self.FMPY_CLASS)  # so that it can be freed also if its __init__ fails
+        self.fmu = self.FMPY_CLASS.__new__(self.FMPY_CLASS)  # so that it can be freed also if it cannot be loaded
         self.fmu.component = None
         try:
-            with self.calling("load"), chdir(Path.cwd()):  # fmpy does not come back from the folder of one that fails
-                self.fmu.__init__(
-                    guid=model.description.guid,
-                    modelIdentifier=model.description.coSimulation.modelIdentifier,
-                    unzipDirectory=str(folder),
-                    instanceName=name,
-                )
+            with self.calling("load"):
+                identifier = str(model.description.coSimulation.modelIdentifier)
+                load_library(self.fmu, self.FMI_VERSION, str(model.description.guid), identifier, folder, name)
                 self._load_functions(self.FUNCTIONS)
             with self.calling("instantiate"):
                 self._instantiate()

@@ -51,16 +51,26 @@ def clash(folder: Path) -> str | None:
     return None
 
 
-def claim(folder: Path) -> None:
-    """Note the modules of an FMU that is about to be loaded into this process.
+def claim(folder: Path) -> str | None:
+    """Note the modules of an FMU that is about to be loaded into this process, unless one of them clashes.
+
+    Threads that claim the same name at once get it in turn.
 
     Parameters
     ----------
     folder
-        Where the FMU was extracted; :func:`clash` must have found nothing.
+        Where the FMU was extracted.
+
+    Returns
+    -------
+    str or None
+        As :func:`clash`.
     """
+    if name := clash(folder):
+        return name
     for name, files in _modules(folder / "resources").items():
         _claimed.setdefault(name, files)
+    return clash(folder)
 
 
 def _modules(resources: Path) -> dict[str, Files]:

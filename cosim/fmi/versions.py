@@ -34,7 +34,7 @@ def _log(environment: int | None, name: bytes | None, status: int, category: byt
     A message of an unknown environment goes to the instance of its name, or to the newest one.
     """
     if environment not in _logs:
-        named = [each for each, (instance, _) in _logs.items() if instance.encode() == name]
+        named = [each for each, (instance, _) in list(_logs.items()) if instance.encode() == name]
         environment = next(reversed(named or [*_logs]), None)
     if environment in _logs:
         _logs[environment][1].add(status, _text(message))

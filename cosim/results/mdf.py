@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import SetupError
+from cosim.fmi.temporary_folders import temporary_folder
 from cosim.results.file_sink import BlockSink, ResultTable, Rows, import_optional
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
@@ -47,7 +49,9 @@ class MdfSink(BlockSink):
 
     def _begin(self, names: list[str], units: list[str | None]) -> None:
         self._names, self._units = names, units
-        self._mdf = self._asammdf.MDF(version="4.10")
+        self._stack = ExitStack()
+        folder = self._stack.enter_context(temporary_folder())  # so that it is cleaned up also after a kill
+        self._mdf = self._asammdf.MDF(version="4.10", temporary_folder=str(folder))
         self._mdf.start_time = _EPOCH
         self._group: int | None = None
 
@@ -64,13 +68,12 @@ class MdfSink(BlockSink):
         self._group = self._mdf.append(signals, comment="", common_timebase=True)
 
     def _end(self) -> None:
-        self._buffer.flush()
-        if self._group is None:
-            self._write_block(np.empty((0, len(self._names))))
-        try:
+        with self._stack:
+            self._stack.callback(self._mdf.close)
+            self._buffer.flush()
+            if self._group is None:
+                self._write_block(np.empty((0, len(self._names))))
             self._mdf.save(self._partial, overwrite=True)
-        finally:
-            self._mdf.close()
         self._reset_history_time()
 
     def _reset_history_time(self) -> None:

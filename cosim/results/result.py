@@ -12,6 +12,7 @@ import numpy as np
 from cosim.errors import did_you_mean
 from cosim.results.csv_file import format_header, format_rows
 from cosim.results.file_sink import result_file_name
+from cosim.results.folder_lock import locked_folder
 from cosim.results.formats import CsvSink, create_sinks, read_table, result_file_names
 
 COMPLETE = result_file_name(CsvSink.suffix, complete=True)
@@ -145,16 +146,17 @@ class Result:
         Raises
         ------
         SetupError
-            If a format does not exist or its package is not installed.
+            If a format does not exist or its package is not installed, or a run writes to the folder.
         RunError
             If a file cannot be written.
         """
         sinks = create_sinks(folder, formats)
-        prepare_folder(folder)
-        for sink in sinks:
-            sink.begin(list(self.values), [self.units[name] for name in self.values])
-            sink.write(self.rows)
-            sink.end(self.complete)
+        with locked_folder(folder):
+            prepare_folder(folder)
+            for sink in sinks:
+                sink.begin(list(self.values), [self.units[name] for name in self.values])
+                sink.write(self.rows)
+                sink.end(self.complete)
         return sinks[0].path
 
     @classmethod

@@ -14,7 +14,7 @@ from cosim.results.result import Result
 _PLAIN = {"highlight": False, "markup": False, "emoji": False}
 """Texts are shown as they are: names of variables and messages of FMUs may have brackets and colons."""
 
-console = Console(width=None if sys.stdout.isatty() else 120, **_PLAIN)  # type: ignore[arg-type]
+console = Console(width=None if sys.stdout is not None and sys.stdout.isatty() else 120, **_PLAIN)  # type: ignore[arg-type]
 """Console of a command's output."""
 
 stderr = Console(stderr=True, **_PLAIN)  # type: ignore[arg-type]

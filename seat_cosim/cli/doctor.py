@@ -10,14 +10,15 @@ import click
 from rich.box import SIMPLE
 from rich.table import Table
 
-from seat_cosim.cli.console import console
+from seat_cosim.cli.console import console, stderr
 
 _SIGNS = {True: "ok", False: "WRONG", None: "-"}
 
 
 @click.command()
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of a table.")
-def doctor(as_json: bool) -> None:
+@click.option("--clean", is_flag=True, help="Remove what killed runs of this user have left in the temporary folder.")
+def doctor(as_json: bool, clean: bool) -> None:
     """Show what is installed and what is missing; a bug report should carry it.
 
     It lists versions, FMUs and their platforms, the stepping loop, the compiler and optional packages. The exit code
@@ -27,8 +28,12 @@ def doctor(as_json: bool) -> None:
     Example:
       seat-cosim doctor
     """
+    from cosim.fmi.temporary_folders import remove_leftovers
     from seat_cosim.doctor import facts
 
+    if clean:
+        for path in remove_leftovers():
+            stderr.print(f"removed {path}", soft_wrap=True)
     found = facts()
     if as_json:
         click.echo(json.dumps([asdict(fact) for fact in found], indent=2))

@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from cosim.errors import SetupError, writing_to
+from cosim.results.folder_lock import locked_folder
 
 RUN = "run.json"
 EVALUATION = "evaluation.json"
@@ -22,7 +23,7 @@ _WITHOUT_EFFECT = {"--debug", "--force", "--quiet", "--json"}
 def choose_folder(
     output: Path | None, default: Path, command: Sequence[str], *, force: bool = False, marker: str = RUN
 ) -> Path:
-    """Choose the folder of a run's results.
+    """Choose the folder of a run's results, and lock it until the command ends.
 
     Parameters
     ----------
@@ -45,8 +46,35 @@ def choose_folder(
     Raises
     ------
     SetupError
-        If ``output`` holds results of another kind.
+        If ``output`` holds results of another kind, or another run writes to the folder.
     """
+    folder = _choose_folder(output, default, command, force, marker)
+    lock(folder)
+    if (now := _choose_folder(output, default, command, force, marker)) != folder:  # another run was faster
+        folder = now
+        lock(folder)
+    return folder
+
+
+def lock(folder: Path) -> None:
+    """Lock a folder until the command ends, where one runs.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+
+    Raises
+    ------
+    SetupError
+        If another run writes to it.
+    """
+    if context := click.get_current_context(silent=True):
+        context.with_resource(locked_folder(folder))
+
+
+def _choose_folder(output: Path | None, default: Path, command: Sequence[str], force: bool, marker: str) -> Path:
+    """Choose a folder, see :func:`choose_folder`."""
     if output is None:
         number, folder = 1, default
         while _command(folder, marker) not in (None, _effective(command)):

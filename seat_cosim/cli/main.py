@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
-import os
 import sys
 import traceback
 
 import click
 
 from cosim.errors import CosimError, SetupError
+from cosim.fmi.interrupts import Ended, deferring_signals
+from seat_cosim.cli import streams
 from seat_cosim.cli.lazy_group import LazyGroup
 
 _CLI = "seat_cosim.cli"
@@ -53,24 +54,35 @@ def app(debug: bool) -> None:
 def main() -> None:
     """Run the command line and exit.
 
-    The exit code is 0 after success, 2 for an error found before an FMU was instantiated, 1 for a later one.
+    The exit code is 0 after success, 2 for an error found before an FMU was instantiated, 1 for a later one. A signal
+    that ends the process ends it when rows are written and folders removed.
     """
+    streams.prepare()
+    with deferring_signals():
+        code = _run()
+        code = code if streams.flush() else 1
+    sys.exit(code)
+
+
+def _run() -> int:
+    """Run the command line; returns the exit code."""
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
     if debug:
         _print_debug_messages()
     try:
         app.main(arguments, standalone_mode=False)
+        sys.stdout.flush()
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads: there is nobody to tell
-        sys.exit(1)
-    except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt, OSError) as error:
+        streams.discard()  # nobody reads: there is nobody to tell
+        return 1
+    except (CosimError, click.ClickException, click.Abort, KeyboardInterrupt, Ended, OSError) as error:
         code, message = _code_and_message(error)
         if debug:
             traceback.print_exc()
-        click.echo(message, err=True)
-        sys.exit(code)
-    sys.exit(0)
+        streams.tell(message)
+        return code
+    return 0
 
 
 def _print_debug_messages() -> None:
@@ -90,6 +102,8 @@ def _code_and_message(error: BaseException) -> tuple[int, str]:
         code, text = 2 if isinstance(error, SetupError) else 1, str(error)
     elif isinstance(error, OSError):
         code, text = 1, f"{error.filename or 'a file'}: expected to read or write it, got: {error.strerror or error}"
+    elif isinstance(error, Ended):
+        code, text = int(str(error.code)), str(error)
     else:
         code, text = 1, "interrupted"
     return code, f"seat-cosim: error: {' '.join(text.split())}"

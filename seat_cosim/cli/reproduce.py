@@ -16,7 +16,7 @@ from cosim.results.result import Result
 from cosim.system import System
 from seat_cosim.cli.console import command_line, console, print_outcome, print_warnings, progress_shown
 from seat_cosim.cli.effect import is_given
-from seat_cosim.cli.folders import RUN, choose_folder, force_option
+from seat_cosim.cli.folders import RUN, choose_folder, force_option, lock
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
 from seat_cosim.paper.contents import CONTENTS
 
@@ -78,8 +78,7 @@ def _reproduce_all(system: System, folder: Path) -> None:
     from seat_cosim.paper.experiments import findings
     from seat_cosim.paper.runner import open_runner
 
-    with writing_to(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    lock(folder)
     with progress_shown("the paper") as progress, open_runner(system, progress) as runner:
         found = findings(runner)
         with writing_to(folder):
@@ -102,8 +101,7 @@ def _reproduce_figure(system: System, key: str, folder: Path) -> None:
     from seat_cosim.paper.runner import open_runner
 
     (entry,) = (each for each in CONTENTS if each.key == key)
-    with writing_to(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    lock(folder)
     with progress_shown(entry.number) as progress, open_runner(system, progress) as runner:
         found = finding(runner, key)
         with writing_to(folder):

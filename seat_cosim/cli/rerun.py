@@ -10,6 +10,7 @@ from cosim import rerun as repetition
 from cosim.errors import RunError, SetupError
 from cosim.manifest import Manifest
 from seat_cosim.cli.console import command_line, console, print_outcome, progress_shown, stderr
+from seat_cosim.cli.folders import lock
 
 
 @click.command()
@@ -29,6 +30,7 @@ def rerun(manifest: Path, output: Path | None) -> None:
     folder = output or manifest.parent / "rerun"
     if folder.resolve() == manifest.parent.resolve():
         raise SetupError(f"--output {folder}: expected another folder than that of {manifest}, got the same")
+    lock(folder)
     with progress_shown("running again") as report:
         found = repetition.rerun(
             manifest, folder, lambda time, stop_time: report(f"{time:.1f} of {stop_time:g} s"), command_line()

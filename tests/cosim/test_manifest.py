@@ -315,7 +315,7 @@ def test_a_process_that_is_killed_leaves_its_rows_and_can_be_run_again(shell: Sh
     finally:
         process.kill()
     assert process.wait() == -signal.SIGKILL
-    assert {path.name for path in folder.iterdir()} == {"result.partial.csv", "run.json"}
+    assert {path.name for path in folder.iterdir()} == {"result.partial.csv", "run.json", ".lock"}
     left = Result.read(partial)
     assert 100 <= len(left.time) < stop_time / H
     assert list(left.time) == [k * H for k in range(len(left.time))]

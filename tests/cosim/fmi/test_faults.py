@@ -23,7 +23,7 @@ from cosim.engine import python_stepper
 from cosim.fmi import archive as archives
 from cosim.fmi import isolated
 from cosim.fmi.child_process import ChildProcess
-from cosim.fmi.interrupts import critical_section, deferring_sigint
+from cosim.fmi.interrupts import critical_section, deferring_signals
 from cosim.results.result import StepperName
 from tests.helpers.faulty import faulty_fmu
 from tests.helpers.waiting import interrupt_when, wait_until
@@ -425,7 +425,7 @@ def test_a_second_ctrl_c_does_not_wait():
     reached = []
 
     def insist() -> None:
-        with deferring_sigint(), critical_section():
+        with deferring_signals(), critical_section():
             for time in (1, 2, 3):
                 reached.append(time)
                 signal.raise_signal(signal.SIGINT)
