@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import heapq
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
+from time import monotonic
 
 
 class CosimError(Exception):
@@ -142,8 +144,58 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
     >>> did_you_mean("seet", ["seat", "shaker"])
     ' (did you mean seat?)'
     """
-    close = get_close_matches(name, list(names), n=3, cutoff=0.5)
+    names = names if isinstance(names, Collection) else list(names)
+    if len(names) > _ALL_COMPARED and _has_suggested_enough():
+        return ""
+    close = get_close_matches(name, _candidates(name, list(names)), n=3, cutoff=0.5)
     return f" (did you mean {' or '.join(close)}?)" if close else ""
+
+
+_ALL_COMPARED = 500
+"""Up to how many names all are compared, which takes 10 us each."""
+
+_LOOKED_AT = 100_000
+"""How many names are looked at; further ones are not suggested."""
+
+
+_IN_A_ROW = 20
+"""How many unknown names in a row are compared with many names: a file may have thousands of them."""
+
+_PAUSE = 1.0
+"""Time in s after which a new row begins."""
+
+_row = [0.0, 0.0]
+"""When the last unknown name was compared with many names, and how many were in its row."""
+
+
+def _has_suggested_enough() -> bool:
+    now = monotonic()
+    _row[1] = _row[1] + 1 if now - _row[0] < _PAUSE else 1
+    _row[0] = now
+    return _row[1] > _IN_A_ROW
+
+
+def _candidates(name: str, names: list[str]) -> list[str]:
+    """Choose which names to compare: of many, those of a similar length that begin and end most alike."""
+    if len(names) <= _ALL_COMPARED:
+        return names
+    low, high = 0.7 * len(name), 1.4 * len(name)
+    found = [each for each in names[:_LOOKED_AT] if low <= len(each) <= high]
+    for size in range(2, len(name)):
+        if len(found) <= _ALL_COMPARED:
+            break
+        head, tail = name[:size], name[-size:]
+        alike = [each for each in found if each.startswith(head) or each.endswith(tail)]
+        if not alike:
+            break
+        found = alike
+    back = name[::-1]
+    return heapq.nlargest(_ALL_COMPARED, found, key=lambda each: _shared(each, name) + _shared(each[::-1], back))
+
+
+def _shared(one: str, other: str) -> int:
+    """Return how many characters two names begin with alike."""
+    return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
 def listed(names: Sequence[str], most: int = 8) -> str:

@@ -22,7 +22,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from operator import attrgetter
+from sys import intern
 from typing import Any
 
 from cosim.fmi.variable_types import FLOATS, KINDS
@@ -46,7 +48,7 @@ class RawAlias:
     display_unit: str | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class RawVariable:
     """A variable as its element declares it; absent attributes are None unless the standard defines a default.
 
@@ -101,6 +103,10 @@ class RawVariable:
     line: int
     attributes: dict[str, str]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle all fields at once: faster than by name, and there may be 100,000 variables."""
+        return RawVariable, _FIELDS(self)
+
     @property
     def names(self) -> tuple[str, ...]:
         """Its name and those of its aliases."""
@@ -108,6 +114,9 @@ class RawVariable:
 
     def __str__(self) -> str:
         return f"{self.name} (line {self.line})"
+
+
+_FIELDS = attrgetter(*(each.name for each in fields(RawVariable)))
 
 
 @dataclass(frozen=True)
@@ -447,14 +456,14 @@ def _variable(fmi_major: int, index: int, element: Any, body: Any, type_element:
         text: str | None = body.get(name)
         if text is None and type_element is not None:
             text = type_element.get(name)
-        return text
+        return None if text is None else intern(text)
 
-    causality = element.get("causality", "local")
-    variability = element.get("variability") or default_variability(fmi_major, body.tag, causality)
+    causality = intern(element.get("causality", "local"))
+    variability = intern(element.get("variability") or default_variability(fmi_major, body.tag, causality))
     return RawVariable(
-        name=element.get("name", ""),
+        name=intern(element.get("name", "")),
         reference=_parse_integer(element.get("valueReference")) or 0,
-        type=body.tag,
+        type=intern(body.tag),
         causality=causality,
         variability=variability,
         initial=element.get("initial") or default_initial(causality, variability),
@@ -471,7 +480,7 @@ def _variable(fmi_major: int, index: int, element: Any, body: Any, type_element:
         dimensions=tuple((d.get("start") or "", d.get("valueReference") or "") for d in body.iterfind("Dimension")),
         index=index,
         line=element.sourceline or 0,
-        attributes={**body.attrib, **element.attrib},
+        attributes={intern(name): intern(text) for name, text in (*body.attrib.items(), *element.attrib.items())},
     )
 
 

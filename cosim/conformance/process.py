@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from cosim.conformance.model_description import RawDescription
@@ -22,7 +22,7 @@ class RuleRequest:
     rule
         Id of the rule.
     description
-        The FMU's model description.
+        The FMU's model description; on the way to the server None where it is that of the request before.
     folder
         Where the FMU was extracted.
     time_limit
@@ -32,7 +32,7 @@ class RuleRequest:
     """
 
     rule: str
-    description: RawDescription
+    description: RawDescription | None
     folder: Path
     time_limit: float
     scratch: Path = Path()
@@ -63,6 +63,7 @@ class RuleRunner:
 
     def __init__(self) -> None:
         self._server: ChildProcess | None = None
+        self._sent: RawDescription | None = None
 
     def __enter__(self) -> RuleRunner:
         return self
@@ -70,7 +71,7 @@ class RuleRunner:
     def __exit__(self, *_: object) -> None:
         if self._server is not None:
             self._server.end()
-            self._server = None
+            self._server = self._sent = None
 
     def run(self, request: RuleRequest) -> list[Finding]:
         """Apply a rule in a child process.
@@ -97,7 +98,9 @@ class RuleRunner:
         if self._server is None:
             self._server = ChildProcess("cosim.conformance.server", {"OPENBLAS_NUM_THREADS": "1"})
         try:
-            self._server.connection.send(request)
+            is_known = self._sent is not None and request.description is self._sent
+            self._server.connection.send(replace(request, description=None) if is_known else request)
+            self._sent = request.description
             result: RuleResult = self._server.connection.recv()
         except (EOFError, OSError):
             raise RunError(f"{request.rule}: expected a result, but the process that runs FMUs has ended") from None

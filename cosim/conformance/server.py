@@ -43,6 +43,7 @@ def apply_rule(request: RuleRequest, output: Path) -> RuleResult:
         Any exception becomes a finding.
     """
     rule = RULES[request.rule]
+    assert request.description is not None
     try:
         return RuleResult(findings=rule.apply(Harness(request.description, request.folder, output)))
     except NotApplicableError as reason:
@@ -132,9 +133,11 @@ def main() -> None:
     for library in (RawLibrary2, RawLibrary3):
         library.prototypes()  # cached for all children
     connection = parent_connection()
+    description = None
     with tempfile.TemporaryDirectory() as scratch, suppress(EOFError, OSError):
         while True:
             request: Any = connection.recv()
+            request.description = description = request.description or description
             folder = Path(scratch, request.rule)
             folder.mkdir(exist_ok=True)
             for file in folder.iterdir():

@@ -11,6 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from cosim.errors import SetupError
+from cosim.fmi.budgets import MAX_MEMBERS, check_count
 
 MAX_SIZE = 8 * 2**30
 """Maximum size of an extracted archive, in bytes."""
@@ -31,7 +32,7 @@ _MAX_REPORTED = 5
 """How many problems of one archive are reported."""
 
 
-def check_archive(archive: zipfile.ZipFile, where: Path) -> None:
+def check_archive(archive: zipfile.ZipFile, where: Path, size_on_disk: int | None = None) -> None:
     """Check that extracting an archive writes to the target folder only, and not too much.
 
     Parameters
@@ -40,21 +41,25 @@ def check_archive(archive: zipfile.ZipFile, where: Path) -> None:
         An open archive. Only its table of contents is read; zipfile never extracts more than a member's declared size.
     where
         Name of the archive in messages.
+    size_on_disk
+        What the archive takes in the file that holds it, in bytes, where it is packed itself.
 
     Raises
     ------
     SetupError
-        If a member's path leaves the folder, is not portable or occurs twice, if a member is a link or encrypted, or if
-        the extracted size is too large.
+        If there are too many members, if a member's path leaves the folder, is not portable or occurs twice, if a
+        member is a link or encrypted, or if the extracted size is too large.
     """
     members = archive.infolist()
-    problems = [f"{where}: {problem}" for problem in (*_member_problems(members), *size_problems(archive))]
+    check_count(str(where), "members", len(members), MAX_MEMBERS)
+    found = *_member_problems(members), *size_problems(archive, size_on_disk)
+    problems = [f"{where}: {problem}" for problem in found]
     if problems:
         more = [f"{where}: {len(problems) - _MAX_REPORTED} more problems"] if len(problems) > _MAX_REPORTED else []
         raise SetupError(*problems[:_MAX_REPORTED], *more)
 
 
-def open_archive(file: str | Path | BinaryIO, where: Path) -> zipfile.ZipFile:
+def open_archive(file: str | Path | BinaryIO, where: Path, size_on_disk: int | None = None) -> zipfile.ZipFile:
     """Open an archive that can be extracted safely.
 
     Parameters
@@ -63,6 +68,8 @@ def open_archive(file: str | Path | BinaryIO, where: Path) -> zipfile.ZipFile:
         The archive, as a file name or an open file.
     where
         Name of the archive in messages.
+    size_on_disk
+        As of :func:`check_archive`.
 
     Returns
     -------
@@ -78,7 +85,7 @@ def open_archive(file: str | Path | BinaryIO, where: Path) -> zipfile.ZipFile:
     """
     archive = zipfile.ZipFile(file)
     try:
-        check_archive(archive, where)
+        check_archive(archive, where, size_on_disk)
     except BaseException:
         archive.close()
         raise
@@ -147,13 +154,15 @@ def _member_problems(members: list[zipfile.ZipInfo]) -> Iterator[str]:
             yield f"member {name!r}: expected it once, got it several times"
 
 
-def size_problems(archive: zipfile.ZipFile) -> Iterator[str]:
+def size_problems(archive: zipfile.ZipFile, size_on_disk: int | None = None) -> Iterator[str]:
     """Yield the problems with the extracted size that an archive declares.
 
     Parameters
     ----------
     archive
         An open archive; only its table of contents is read.
+    size_on_disk
+        As of :func:`check_archive`.
 
     Yields
     ------
@@ -165,6 +174,7 @@ def size_problems(archive: zipfile.ZipFile) -> Iterator[str]:
         return
     size = sum(member.file_size for member in members)
     packed = min(sum(member.compress_size for member in members), archive.start_dir)  # members may share their bytes
+    packed = packed if size_on_disk is None else min(packed, size_on_disk)
     largest = max(members, key=lambda member: member.file_size)
     whole = f"got {size / 2**20:.0f} MiB from {packed / 2**20:.3g} MiB (largest member: {largest.filename!r})"
     if size > MAX_SIZE:

@@ -18,6 +18,7 @@ from fmpy.model_description import ModelVariable
 
 from cosim.errors import SetupError, did_you_mean, with_article
 from cosim.fmi.archive import is_file, is_unsafe_path, open_archive
+from cosim.fmi.budgets import DocumentBudget
 from cosim.fmi.elements import Elements, array_name, find_elements, owner, shape_of, sizes_problems
 from cosim.fmi.repairs import DESCRIPTION, repaired
 from cosim.fmi.unsupported import unsupported
@@ -54,7 +55,9 @@ class ModelDescription:
     relative: Mapping[str, bool] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, path: str | Path, member: str | None = None) -> ModelDescription:
+    def read(
+        cls, path: str | Path, member: str | None = None, budget: DocumentBudget | None = None
+    ) -> ModelDescription:
         """Read and check an FMU's model description.
 
         Parameters
@@ -63,6 +66,8 @@ class ModelDescription:
             The ``.fmu`` file, or an archive (an ``.ssp`` file) that holds it.
         member
             The FMU's name in the archive, if ``path`` is one.
+        budget
+            For all documents of a system; where None, one for the file.
 
         Returns
         -------
@@ -80,7 +85,9 @@ class ModelDescription:
             raise SetupError(f"{path}: expected an FMU, got no such file")
         try:
             opened = _opened(file, member)
-            open_archive(opened, path).close()
+            with open_archive(opened, path, _size_on_disk(file, member)) as checked:
+                size = checked.getinfo(DESCRIPTION).file_size
+            (budget or DocumentBudget(file.stat().st_size)).spend(str(path / DESCRIPTION), size)
             archive, sampled, relative = repaired(opened, str(path / DESCRIPTION))
             description = fmpy.read_model_description(archive, validate=False)
             platforms = fmpy.supported_platforms(opened)
@@ -186,7 +193,7 @@ class ModelDescription:
             If the archive is unsafe, which is checked before anything is extracted, or damaged.
         """
         try:
-            with open_archive(self.open(), self.where) as archive:
+            with open_archive(self.open(), self.where, _size_on_disk(self.path, self.member)) as archive:
                 archive.extractall(folder)
         except SetupError:
             raise
@@ -271,7 +278,7 @@ class ModelDescription:
         """Return the name of a variable's unit, its type's unit where it has none of its own."""
         return variable.unit or (variable.declaredType.unit if variable.declaredType else None) or None
 
-    @property
+    @cached_property
     def defined_units(self) -> list[Unit]:
         """All units that the FMU defines in base units."""
         units = [unit for unit in self.description.unitDefinitions if unit.baseUnit is not None]
@@ -285,7 +292,11 @@ class ModelDescription:
         variable
             A variable of this FMU.
         """
-        return next((unit for unit in self.defined_units if unit.name == self.unit(variable)), None)
+        return self._units_by_name.get(self.unit(variable) or "")
+
+    @cached_property
+    def _units_by_name(self) -> dict[str, Unit]:
+        return {unit.name: unit for unit in reversed(self.defined_units)}
 
     def bound(self, variable: ModelVariable, which: str) -> float | None:
         """Return a bound of a variable, or of its declared type.
@@ -497,6 +508,14 @@ def _opened(path: Path, member: str | None) -> str | BinaryIO:
         return str(path)
     with open_archive(path, path) as archive:
         return io.BytesIO(archive.read(member))
+
+
+def _size_on_disk(path: Path, member: str | None) -> int | None:
+    """Return what an FMU takes in the archive that holds it, in bytes; None where it is a file of its own."""
+    if member is None:
+        return None
+    with zipfile.ZipFile(path) as archive:
+        return archive.getinfo(member).compress_size
 
 
 def _check_variable(model: ModelDescription, variable: ModelVariable) -> None:

@@ -8,6 +8,7 @@ from typing import Any, BinaryIO, NamedTuple
 
 from lxml import etree
 
+from cosim.fmi.budgets import MAX_UNITS, MAX_VARIABLES, check_count
 from cosim.fmi.xml import parse
 
 DESCRIPTION = "modelDescription.xml"
@@ -63,10 +64,14 @@ def repaired(fmu: str | BinaryIO, where: str) -> RepairedDescription:
     Raises
     ------
     SetupError
-        If the description is not well-formed XML or declares a document type, see :func:`cosim.fmi.xml.parse`.
+        If the description is not well-formed XML or declares a document type, see :func:`cosim.fmi.xml.parse`; if it
+        has too many variables or units.
     """
     with zipfile.ZipFile(fmu) as archive:
         tree = parse(archive.read(DESCRIPTION), where)
+    variables, units = tree.find("ModelVariables"), tree.find("UnitDefinitions")
+    check_count(where, "variables", 0 if variables is None else len(variables), MAX_VARIABLES)
+    check_count(where, "units", 0 if units is None else len(units), MAX_UNITS)
     changes = [normalize_lists(tree), _fix_parameters(tree)]
     return RepairedDescription(archive_of(tree) if any(changes) else fmu, _is_sampled(tree), _relative(tree))
 

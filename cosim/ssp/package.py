@@ -12,6 +12,7 @@ from urllib.parse import unquote, urlsplit
 
 from cosim.errors import SetupError
 from cosim.fmi.archive import is_file, is_unsafe_path, open_archive
+from cosim.fmi.budgets import DocumentBudget
 from cosim.fmi.description import ModelDescription
 
 DESCRIPTION = "SystemStructure.ssd"
@@ -70,6 +71,8 @@ class Package:
     def __init__(self, path: str | Path) -> None:
         self._path = Path(path)
         self._members: frozenset[str] | None = None
+        self._models: dict[str, ModelDescription] = {}
+        self._budget: DocumentBudget | None = None
         if self._path.suffix.lower() == ".ssd":
             self.where = self._path
             return
@@ -78,6 +81,7 @@ class Package:
         try:
             with open_archive(self._path, self._path) as archive:
                 self._members = frozenset(archive.namelist())
+            self._budget = DocumentBudget(self._path.stat().st_size)
         except _DAMAGED:
             raise SetupError(f"{self._path}: expected an .ssp file (a zip archive), got another kind of file") from None
         self.where = self._path / DESCRIPTION
@@ -136,13 +140,18 @@ class Package:
             If the URI does not refer to a file in the package, or the file is not an FMU that can be used.
         """
         name = self._name(uri)
+        if name not in self._models:
+            self._models[name] = self._read_model(name)
+        return self._models[name]
+
+    def _read_model(self, name: str) -> ModelDescription:
         if self._members is None:
             return ModelDescription.read(self._path.parent / name)
         self._check(name)
         try:
-            return ModelDescription.read(self._path, name)
+            return ModelDescription.read(self._path, name, self._budget)
         except _DAMAGED as error:
-            raise SetupError(f"{self.locate(uri)}: expected an archive that can be read, got: {error}") from None
+            raise SetupError(f"{self._path / name}: expected an archive that can be read, got: {error}") from None
 
     def read_in(self, archive: str, uri: str) -> tuple[bytes, str]:
         """Read a file inside a resource that is an archive.
@@ -168,6 +177,7 @@ class Package:
         where = self.locate(archive) / name
         try:
             with open_archive(io.BytesIO(self.read(archive)), self.locate(archive)) as opened:
+                self._spend(str(where), opened.getinfo(name).file_size)
                 return opened.read(name), str(where)
         except KeyError:
             raise SetupError(f"{where}: expected a file in the archive, got none of that name") from None
@@ -211,10 +221,16 @@ class Package:
             return Path(normpath(path)).relative_to(normpath(folder)).as_posix() if self._members is None else path
         return path
 
+    def _spend(self, where: str, size: int) -> None:
+        if self._budget is not None:
+            self._budget.spend(where, size)
+
     def _member(self, name: str) -> bytes:
         self._check(name)
         try:
             with zipfile.ZipFile(self._path) as archive:
+                if not name.lower().endswith(".fmu"):  # those are no documents
+                    self._spend(str(self._path / name), archive.getinfo(name).file_size)
                 return archive.read(name)
         except _DAMAGED as error:
             raise SetupError(f"{self._path / name}: expected a file that can be read, got: {error}") from None

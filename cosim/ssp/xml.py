@@ -16,6 +16,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 from lxml import etree
 
 from cosim.errors import SetupError, prefixed
+from cosim.fmi.budgets import MAX_CONNECTIONS, MAX_UNITS, check_count
 from cosim.fmi.xml import parse
 from cosim.ssp.versions import check_version
 
@@ -330,6 +331,8 @@ def read_document(cls: type[D], data: bytes, where: str) -> D:
         name, namespace = etree.QName(root).localname, etree.QName(root).namespace
         same = f" of the namespace {namespace}" if name == cls.ROOT.partition(":")[2] else ""
         raise SetupError(f"{where}: expected <{cls.ROOT}> of SSP 1.0 or 2.0, got <{name}>{same}")
+    for tag, most in (("Connection", MAX_CONNECTIONS), ("Unit", MAX_UNITS)):
+        check_count(where, f"elements {tag}", sum(1 for _ in root.iter(f"{{*}}{tag}")), most)
     _remove_empty(root)
     for element in root.iter(*map(_qualified, _SCHEMAS)):
         with prefixed(where):
