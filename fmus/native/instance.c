@@ -163,7 +163,7 @@ static void reset_instance(Instance *instance)
     }
     instance->stop_time = INFINITY;
     instance->phase = PHASE_INSTANTIATED;
-    instance->prepared = instance->warned = false;
+    instance->prepared = instance->examined = instance->warned = false;
     instance->outputs_due = true;
 }
 
@@ -209,7 +209,7 @@ Status instance_set_up(Instance *instance, const char *function, double start_ti
                              MAX_TIME, start_time);
     }
     instance->values[0] = start_time;
-    instance->stop_time = stop_time;
+    instance->stop_time = isnan(stop_time) ? INFINITY : stop_time;
     instance->outputs_due = true;
     return STATUS_OK;
 }
@@ -223,6 +223,19 @@ Status instance_enter_initialization(Instance *instance, const char *function)
     return status;
 }
 
+/* The present paths of files, from the folder of the resources. */
+typedef char Paths[TEXT_COUNT + 1][2 * TEXT_SIZE];
+
+static ModelParameters present_parameters(const Instance *instance, Paths paths)
+{
+    const char *texts[TEXT_COUNT + 1] = {NULL};
+    for (size_t i = TEXT_COUNT; i-- > 0;) {
+        path_in_folder(instance->resources, instance->texts + i * TEXT_SIZE, paths[i], sizeof paths[i]);
+        texts[i] = paths[i];
+    }
+    return model_parameters(instance->values, texts);
+}
+
 /* Derive the coefficients of the present parameters, if they changed; returns `failure` if these contradict one
  * another. */
 static Status prepare(Instance *instance, const char *function, Status failure)
@@ -231,13 +244,8 @@ static Status prepare(Instance *instance, const char *function, Status failure)
     if (instance->prepared) {
         return STATUS_OK;
     }
-    char paths[TEXT_COUNT + 1][2 * TEXT_SIZE];
-    const char *texts[TEXT_COUNT + 1] = {NULL};
-    for (size_t i = TEXT_COUNT; i-- > 0;) {
-        path_in_folder(instance->resources, instance->texts + i * TEXT_SIZE, paths[i], sizeof paths[i]);
-        texts[i] = paths[i];
-    }
-    const ModelParameters parameters = model_parameters(instance->values, texts);
+    Paths paths;
+    const ModelParameters parameters = present_parameters(instance, paths);
     ModelCoefficients coefficients;
     const char *problem = model_prepare(&parameters, &coefficients);
     if (problem != NULL) {
@@ -247,13 +255,26 @@ static Status prepare(Instance *instance, const char *function, Status failure)
     model_release(&instance->coefficients);
     instance->coefficients = coefficients;
     instance->prepared = true;
+    return STATUS_OK;
+}
+
+/* Log a warning about the present parameters, if there is one and it is new. Called where a call has succeeded: a call
+ * that is refused leaves no trace. */
+static void examine_parameters(Instance *instance)
+{
+    char message[MESSAGE_SIZE];
+    if (instance->examined) {
+        return;
+    }
+    Paths paths;
+    const ModelParameters parameters = present_parameters(instance, paths);
     const char *warning = model_warning(&parameters);
     if (warning != NULL && !instance->warned) {
         describe_parameters(instance, warning, message);
         log_message(instance, STATUS_WARNING, message);
     }
     instance->warned = warning != NULL;
-    return STATUS_OK;
+    instance->examined = true;
 }
 
 /* Check that values are finite; returns `failure` otherwise. */
@@ -289,6 +310,7 @@ static Status initialize(Instance *instance, const char *function, Status failur
     memcpy(&instance->state, &state, sizeof state);
     memcpy(instance->values + FIRST_OUTPUT, values + FIRST_OUTPUT, OUTPUT_COUNT * sizeof *values);
     instance->outputs_due = false;
+    examine_parameters(instance);
     return STATUS_OK;
 }
 
@@ -348,6 +370,7 @@ Status instance_step(Instance *instance, const char *function, double time, doub
     }
     memcpy(instance->values + FIRST_OUTPUT, values + FIRST_OUTPUT, OUTPUT_COUNT * sizeof *values);
     instance->values[0] = time + step_size;
+    examine_parameters(instance);
     return STATUS_OK;
 }
 
@@ -448,7 +471,7 @@ static Status mark_changed(Instance *instance, const Variable *variable)
 {
     instance->outputs_due = true;
     if (variable->causality == CAUSALITY_PARAMETER) {
-        instance->prepared = false;
+        instance->prepared = instance->examined = false;
     }
     return STATUS_OK;
 }
@@ -515,7 +538,7 @@ Status instance_refuse_type(const Instance *instance, const char *function, cons
 /* ---- states ------------------------------------------------------------------------------------------------------ */
 
 enum { FLAG_PHASE, FLAG_OUTPUTS_DUE, FLAG_WARNED, FLAG_COUNT };
-enum { VALUES_AT = FLAG_COUNT, STATE_AT = VALUES_AT + VARIABLE_COUNT, CONTENT_COUNT = STATE_AT + STATE_COUNT };
+enum { STOP_TIME_AT = FLAG_COUNT, VALUES_AT, STATE_AT = VALUES_AT + VARIABLE_COUNT, CONTENT_COUNT = STATE_AT + STATE_COUNT };
 
 /* A saved instance, in memory and as bytes. The coefficients are not saved: they follow from the parameters. */
 typedef struct {
@@ -552,6 +575,7 @@ static void save_snapshot(const Instance *instance, Snapshot *snapshot)
     snapshot->content[FLAG_PHASE] = (double)instance->phase;
     snapshot->content[FLAG_OUTPUTS_DUE] = (double)instance->outputs_due;
     snapshot->content[FLAG_WARNED] = (double)instance->warned;
+    snapshot->content[STOP_TIME_AT] = instance->stop_time;
     memcpy(snapshot->content + VALUES_AT, instance->values, sizeof instance->values);
     model_pack(&instance->state, snapshot->content + STATE_AT);
     memcpy(snapshot->texts, instance->texts, sizeof instance->texts);
@@ -582,7 +606,7 @@ static bool is_reachable(const Snapshot *snapshot)
     const double *flags = snapshot->content, *values = flags + VALUES_AT, *packed = flags + STATE_AT;
     const double phase = flags[FLAG_PHASE];
     const char *texts[TEXT_COUNT + 1] = {NULL};
-    bool valid = phase >= 0.0 && phase < (double)PHASE_COUNT && is_whole(phase);
+    bool valid = !isnan(flags[STOP_TIME_AT]) && phase >= 0.0 && phase < (double)PHASE_COUNT && is_whole(phase);
     for (size_t i = FLAG_PHASE + 1; i < FLAG_COUNT; ++i) {
         valid = valid && (flags[i] == 0.0 || flags[i] == 1.0);
     }
@@ -651,6 +675,8 @@ static void load_snapshot(Instance *instance, const Snapshot *snapshot)
     instance->phase = (Phase)(int)snapshot->content[FLAG_PHASE];
     instance->outputs_due = snapshot->content[FLAG_OUTPUTS_DUE] > 0.0;
     instance->warned = snapshot->content[FLAG_WARNED] > 0.0;
+    instance->examined = false;
+    instance->stop_time = snapshot->content[STOP_TIME_AT];
     memcpy(instance->values, snapshot->content + VALUES_AT, sizeof instance->values);
     memcpy(instance->texts, snapshot->texts, sizeof instance->texts);
     model_unpack(&instance->state, snapshot->content + STATE_AT);

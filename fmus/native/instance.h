@@ -36,14 +36,15 @@ struct Instance {
     unsigned categories; /* one bit for each category that is logged */
     Phase phase;
     double values[VARIABLE_COUNT]; /* by value reference; the first is the time that the run has reached, in s */
-    double stop_time;              /* limit of steps in s; set by the host, so no part of a saved state */
+    double stop_time;              /* limit of steps in s; infinite where the host has given none */
     char texts[TEXTS_SIZE];        /* one after the other, TEXT_SIZE bytes each */
     char resources[TEXT_SIZE];     /* folder of the FMU's resources, empty where the host gives none */
     ModelState state;
     ModelCoefficients coefficients;
     bool prepared;    /* whether the coefficients are those of the present parameters */
     bool outputs_due; /* whether initial outputs must be computed, as a variable was set */
-    bool warned;      /* whether a warning about the present parameters was logged */
+    bool examined;    /* whether the present parameters were examined for a warning */
+    bool warned;      /* whether a warning about the parameters examined last was logged */
 };
 
 /* In all functions below `function` is the name of the called function of the standard, for messages. Functions that

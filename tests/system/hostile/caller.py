@@ -118,13 +118,15 @@ class Host:
         self.component = ctypes.c_void_p()
         return OK, None
 
-    def setup(self, start: float) -> tuple[int, Any]:
+    def setup(self, start: float, stop: float | None = None) -> tuple[int, Any]:
         double = ctypes.c_double
-        return self._call("SetupExperiment", 0, double(0.0), double(start), 0, double(0.0)), None
+        times = double(start), int(stop is not None), double(stop or 0.0)
+        return self._call("SetupExperiment", 0, double(0.0), *times), None
 
-    def enter(self, start: float) -> tuple[int, Any]:
+    def enter(self, start: float, stop: float | None = None) -> tuple[int, Any]:
         no, double = ctypes.c_bool(False), ctypes.c_double
-        arguments = [] if self.version == 2 else [no, double(0.0), double(start), no, double(0.0)]
+        times = double(start), ctypes.c_bool(stop is not None), double(stop or 0.0)
+        arguments = [] if self.version == 2 else [no, double(0.0), *times]
         return self._call("EnterInitializationMode", *arguments), None
 
     def exit(self) -> tuple[int, Any]:

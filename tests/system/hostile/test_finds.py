@@ -135,8 +135,8 @@ def spoiled(data: bytes, number: int, value: float) -> bytes:
     return checksummed(data[:begin] + struct.pack("<d", value) + data[begin + 8 :])
 
 
-FLAGS = 3
-"""Numbers before the variables in a state."""
+FLAGS = 4
+"""Numbers before the variables in a state: three flags and the stop time."""
 
 
 IMPOSSIBLE = {
