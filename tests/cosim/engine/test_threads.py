@@ -7,8 +7,10 @@ import multiprocessing
 import os
 import signal
 import sys
+import tempfile
 import threading
 import time
+import zipfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing import resource_tracker
@@ -260,3 +262,63 @@ def test_a_library_is_found_from_a_folder_that_no_longer_exists(
         assert seat_system.simulate(0.1, H).complete
     finally:
         os.chdir(before)
+
+
+def in_use() -> dict[str, object]:
+    """Return what sessions must leave as it was: descriptors, temporary folders, working folder, stdout, handlers."""
+    return {
+        "descriptors": len(list(Path("/proc/self/fd").iterdir())),
+        "folders": sorted(path.name for path in Path(tempfile.gettempdir()).iterdir()),
+        "working folder": Path.cwd(),
+        "stdout": sys.stdout,
+        "threads": threading.active_count(),
+        "handlers": [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)],
+    }
+
+
+def resident() -> float:
+    """Return the memory of this process, in kB."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1024
+
+
+def without_sources(fmu: Path, target: Path) -> Path:
+    """Copy an FMU without what a run does not need: most of a session's time is for extraction."""
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as copy:
+        for name in source.namelist():
+            if not name.startswith(("sources", "documentation", "terminals")):
+                copy.writestr(name, source.read(name))
+    return target
+
+
+def open_and_run(system: System, times: int) -> None:
+    for _ in range(times):
+        with system.open() as session:
+            assert session.run(0.01, H).complete
+
+
+@pytest.mark.parametrize(
+    ("times", "overlapping"),
+    [pytest.param(200, 80, id="short"), pytest.param(10_000, 1_000, id="long", marks=pytest.mark.long)],
+)
+def test_sessions_leave_nothing_however_many(
+    native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, times: int, overlapping: int
+):
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    systems = []
+    for flavour in ("fmi2", "fmi3"):
+        systems.append(System())
+        systems[-1].add("shaker", without_sources(native / flavour / "Shaker.fmu", tmp_path / f"{flavour}.fmu"))
+    for system in systems:
+        open_and_run(system, 20)
+    with ThreadPoolExecutor(4) as pool:  # each thread of C's allocator takes its share once
+        list(pool.map(lambda i: open_and_run(systems[i % 2], 20), range(4)))
+    before, memory = in_use(), resident()
+    for system in systems:
+        open_and_run(system, (times - overlapping) // 2)
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(lambda i: open_and_run(systems[i % 2], overlapping // 4), range(4)))
+    assert in_use() == before
+    grown = resident() - memory
+    print(f"{times} sessions, {overlapping} of them overlapping: memory grew by {grown:.0f} kB")
+    assert grown < 4000.0 + 0.1 * times
