@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 
 import click
 
@@ -68,10 +70,9 @@ def _run() -> int:
     """Run the command line; returns the exit code."""
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
-    if debug:
-        _print_debug_messages()
     try:
-        app.main(arguments, standalone_mode=False)
+        with _debug_messages_printed() if debug else nullcontext():
+            app.main(arguments, standalone_mode=False)
         sys.stdout.flush()
     except BrokenPipeError:
         streams.discard()  # nobody reads: there is nobody to tell
@@ -85,11 +86,18 @@ def _run() -> int:
     return 0
 
 
-def _print_debug_messages() -> None:
+@contextmanager
+def _debug_messages_printed() -> Iterator[None]:
     """Print what this package logs, for example which FMUs were chosen, to standard error."""
-    log = logging.getLogger("seat_cosim")
+    log, handler = logging.getLogger("seat_cosim"), logging.StreamHandler()
+    level = log.level
     log.setLevel(logging.DEBUG)
-    log.addHandler(logging.StreamHandler())
+    log.addHandler(handler)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(level)
 
 
 def _code_and_message(error: BaseException) -> tuple[int, str]:
