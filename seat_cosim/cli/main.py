@@ -6,6 +6,8 @@ import logging
 import os
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 
 import click
 
@@ -57,10 +59,9 @@ def main() -> None:
     """
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
-    if debug:
-        _print_debug_messages()
     try:
-        app.main(arguments, standalone_mode=False)
+        with _debug_messages() if debug else nullcontext():
+            app.main(arguments, standalone_mode=False)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads: there is nobody to tell
         sys.exit(1)
@@ -73,11 +74,17 @@ def main() -> None:
     sys.exit(0)
 
 
-def _print_debug_messages() -> None:
+@contextmanager
+def _debug_messages() -> Iterator[None]:
     """Print what this package logs, for example which FMUs were chosen, to standard error."""
-    log = logging.getLogger("seat_cosim")
+    log, handler = logging.getLogger("seat_cosim"), logging.StreamHandler()
     log.setLevel(logging.DEBUG)
-    log.addHandler(logging.StreamHandler())
+    log.addHandler(handler)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(logging.NOTSET)
 
 
 def _code_and_message(error: BaseException) -> tuple[int, str]:

@@ -405,7 +405,7 @@ def test_without_zig_the_machines_compiler_gives_the_same_results(
     parameters = {**SCENARIOS["random"].parameters, **control(True)}
     ours, theirs = (seat_suspension(folder).simulate(3.0, H, parameters) for folder in (tmp_path, native / "fmi2"))
     assert np.array_equal(ours.rows, theirs.rows)
-    with pytest.raises(BuildError, match="Shaker for x86_64-windows: expected the compiler zig .* got none; run: pip"):
+    with pytest.raises(BuildError, match="Shaker for x86_64-windows: expected the compiler zig, .* got none; run: pip"):
         build_native_fmu("fmi2", COMPONENTS[2], EXPERIMENT, tmp_path, ["x86_64-windows"])
     monkeypatch.setattr(compiler.shutil, "which", lambda name: None)
     with pytest.raises(BuildError, match="expected a C compiler, got none; run: pip install"):

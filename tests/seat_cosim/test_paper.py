@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seat_cosim.paper import report
+from seat_cosim.paper import experiments, report
 from seat_cosim.paper.contents import CONTENTS
 from seat_cosim.paper.experiments import findings
 from seat_cosim.paper.finding import Finding, Kind, Row
@@ -160,6 +160,11 @@ def test_the_document_has_the_numbers_found(found: dict[str, Finding]):
         for entry, each in rows:
             unit = "" if each.unit == "1" else f" {each.unit}"
             assert f"| {entry.number} | {each.quantity} |{unit} | {each.paper} | {each.ours} |\n" in text
+
+
+def test_every_entry_is_made_by_one_experiment():
+    assert [key for keys in experiments.KEYS.values() for key in keys] == [entry.key for entry in CONTENTS]
+    assert list(experiments.KEYS) == list(experiments.EXPERIMENTS)
 
 
 def test_the_report_has_all_figures_and_tables(page: str, folder: Path):
