@@ -93,8 +93,8 @@ def parameter_set(
         for variable, typed_value in _typed_values(structure, ref, value, sizes).items():
             if typed_value.kind == "Real" and unit is not None:
                 typed_value, units[unit.name] = replace(typed_value, unit=unit.name), unit
-            name, source = str(ref._replace(variable=variable)), (sources or {}).get(key)
-            written.append(ssv.Parameter(name=name, description=source, typed_value=typed_value))
+            element, source = str(ref._replace(variable=variable)), (sources or {}).get(key)
+            written.append(ssv.Parameter(name=element, description=source, typed_value=typed_value))
     return write_document(
         ssv.ParameterSet(
             version=ssv.VERSION,

@@ -1,4 +1,4 @@
-"""Folders of results: a run never overwrites one of another kind unless it is told to."""
+"""Folders of results: a run overwrites one of another kind only with ``--force``."""
 
 from __future__ import annotations
 

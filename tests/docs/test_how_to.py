@@ -1,4 +1,4 @@
-"""Blocks of the how-to guides that make something, and what comes of it."""
+"""Blocks of the how-to guides that make something, and their results."""
 
 from __future__ import annotations
 

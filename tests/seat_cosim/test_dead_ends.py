@@ -198,7 +198,7 @@ def test_messages_name_what_helps(shell: Shell, native: Path, foreign: Path, tmp
         system.validate(1.0)
 
 
-def test_one_problem_at_all_masses_is_told_once(shell: Shell):
+def test_one_problem_at_all_masses_is_reported_once(shell: Shell):
     code, _, err = shell("design", "--objective", "lambda")
     assert code == 1
     assert err.count("sampled loop") == 1
