@@ -26,6 +26,11 @@ OPTIONS: dict[str, Callable[[Any], Any]] = {
         metavar="KG",
         help="The driver's mass, for seat and controller alike [default: 55].",
     ),
+    "mode": click.option(
+        "--mode",
+        type=click.Choice(["published", "robust"]),
+        help="Control law; robust knows the seat's actuator and travel [default: published].",
+    ),
     "gains": click.option(
         "--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json."
     ),
@@ -67,6 +72,8 @@ class SeatOptions:
         Flavour of the FMUs, and the folder that has a subfolder for it.
     parameter_files
         Parameter sets, by name or file.
+    mode
+        ``published`` or ``robust``.
     gains
         Preset or file.
     observer
@@ -82,6 +89,7 @@ class SeatOptions:
     flavour: str
     fmus_folder: Path
     parameter_files: tuple[str, ...] = ()
+    mode: str | None = None
     gains: str | None = None
     observer: str | None = None
     control: str | None = None
@@ -95,7 +103,7 @@ class SeatOptions:
     def parameters(self, system: Structure) -> dict[str, Value]:
         """Return the parameters that the options set.
 
-        Later ones win: parameter sets, gains, observer, control, driver's mass, single parameters.
+        Later ones win: mode, parameter sets, gains, observer, control, driver's mass, single parameters.
 
         Parameters
         ----------
@@ -124,12 +132,14 @@ class SeatOptions:
         if self.driver_mass is not None:
             found |= scenarios.driver_mass(self.driver_mass)
         found |= settings(self.settings)
+        if self.mode is not None:
+            found = scenarios.mode(self.mode, found) | found
         return found
 
     @property
     def choices(self) -> list[str]:
         """Names of what was chosen, for a title."""
-        named = {"gains": self.gains, "Observer": self.observer, "control": self.control}
+        named = {"mode": self.mode, "gains": self.gains, "Observer": self.observer, "control": self.control}
         found = [f"{name} {choice}" for name, choice in named.items() if choice]
         return found + [Path(file).stem for file in self.parameter_files]
 

@@ -42,7 +42,6 @@ void faults_start(faults_state *state)
     const faults_state none = {0};
     *state = none;
     state->fault = FAULT_NONE;
-    state->clear = REAL(settling_samples);
 }
 
 /* Latch the first fault. */
@@ -104,7 +103,7 @@ void faults_check_observers(faults_state *state, real surprise, real balance, re
     const bool settled = !(state->clear < REAL(settling_samples));
     state->imbalance = settled ? (excess > REAL(0.0) ? kept + c->sample_time * excess : kept) : REAL(0.0);
     state->biased = counted(state->biased, bias_at_bound);
-    latch(state, magnitude(surprise) > REAL(largest_surprise) && !(state->beyond_range > REAL(0.0)),
+    latch(state, settled && magnitude(surprise) > REAL(largest_surprise) && !(state->beyond_range > REAL(0.0)),
           FAULT_DEFLECTION_JUMP);
     latch(state, state->imbalance > REAL(imbalance_limit),
           state->same_deflection > REAL(frozen_samples) ? FAULT_DEFLECTION_FROZEN : FAULT_FORCE_BALANCE);

@@ -9,7 +9,7 @@ the two sensors and the force contradict each other: the balance of forces
 is the friction if all are right. What exceeds the friction, and what an unknown mass can explain, is integrated.
 
 An impact on an end stop is no fault. The accelerometer may then be beyond its range for 100 ms, and the balance of
-forces is not judged until 0.3 s after the seat was last near a stop.
+forces and the prediction are not judged until 0.3 s after the seat was last near a stop, or after the start.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class FaultsState(NamedTuple):
     same_deflection: float = 0.0
     path: float = 0.0
     rate_before: float = 0.0
-    clear: float = SETTLING_SAMPLES
+    clear: float = 0.0
     balance: float = 0.0
     imbalance: float = 0.0
     biased: float = 0.0
@@ -258,7 +258,7 @@ def check_observers(
     frozen = state.same_deflection > FROZEN_SAMPLES
     fault = _latched(
         state.fault,
-        (abs(surprise) > LARGEST_SURPRISE and state.beyond_range == 0.0, Fault.deflection_jump),
+        (settled and abs(surprise) > LARGEST_SURPRISE and state.beyond_range == 0.0, Fault.deflection_jump),
         (imbalance > IMBALANCE_LIMIT, Fault.deflection_frozen if frozen else Fault.force_balance),
         (biased > BIASED_SAMPLES, Fault.acceleration_bias),
     )

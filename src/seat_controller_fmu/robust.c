@@ -303,7 +303,8 @@ static real moved(real share, bool up, real step)
 static void run_law(robust_state *s, const robust_sample *m, const robust_coefficients *c, real *demand, real *force)
 {
     const real delta = m->deflection, a = m->acceleration;
-    const robust_model model = c->adapts_mass ? model_of(s->estimator.mass, c) : c->nominal;
+    const bool adapts = c->adapts_mass && s->estimator.mass_trusted;
+    const robust_model model = adapts ? model_of(s->estimator.mass, c) : c->nominal;
     real surprise;
     const real relative = observe_motion(s, m, c, &surprise);
     model_actuator(s, m->force, c);

@@ -523,7 +523,7 @@ def _run_law(s: RobustState, m: Sample, c: RobustCoefficients) -> tuple[RobustSt
     """Run the law for a sample; returns the state, the force demand and the force in N."""
     delta, a = m.deflection, m.acceleration
     n = c.nominal
-    if c.adapts_mass:
+    if c.adapts_mass and s.estimator.mass_trusted:
         n = _seat_model(s.estimator.mass, c.m_s, c.cushion_damping, c.cushion_stiffness, c.inertia)
 
     # motion of the deflection
