@@ -59,8 +59,7 @@ static void solve(estimator_state *state, const estimator_coefficients *c)
     state->friction_trusted = ss > REAL(friction_information);
 }
 
-/* Count the samples in which the seat slides one way; returns whether they are enough. */
-static bool slides_on(estimator_state *state, real rate)
+real estimator_slide(estimator_state *state, real rate)
 {
     const real limit = REAL(sliding_rate), needed = REAL(sliding_samples);
     const real direction = rate > limit ? REAL(1.0) : rate < -limit ? REAL(-1.0) : REAL(0.0);
@@ -69,16 +68,13 @@ static bool slides_on(estimator_state *state, real rate)
     const real sliding = state->sliding + REAL(1.0);
     state->sliding = changed || at_rest ? REAL(0.0) : sliding < needed ? sliding : needed;
     state->direction = direction;
-    return !(state->sliding < needed);
+    return state->sliding < needed ? REAL(0.0) : direction;
 }
 
-void estimator_step(estimator_state *state, real force, real acceleration, real rate, bool clear,
+void estimator_step(estimator_state *state, real force, real acceleration, real direction,
                     const estimator_coefficients *c)
 {
-    if (!slides_on(state, rate) || !clear) {
-        return;
-    }
-    const real direction = state->direction, memory = c->memory;
+    const real memory = c->memory;
     state->n = memory * state->n + REAL(1.0);
     state->s = memory * state->s + direction;
     state->a = memory * state->a + acceleration;

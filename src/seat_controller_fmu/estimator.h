@@ -28,9 +28,13 @@ estimator_coefficients estimator_prepare(const seat_controller_parameters *param
 /* Set the estimates to the nominal values, without information. */
 void estimator_start(estimator_state *state, const estimator_coefficients *c);
 
-/* Take a sample: force y = u - k_f delta - m_s a_s in N, the driver's acceleration in m/s2, the deflection's rate in
- * m/s; `clear`: whether no end stop has been touched lately. */
+/* Count the samples of sliding from the deflection's rate in m/s; returns the direction once they are enough, else 0.
+ */
+seat_controller_real estimator_slide(estimator_state *state, seat_controller_real rate);
+
+/* Take a sample of sliding: force y = u - k_f delta - m_s a_s in N, the driver's acceleration in m/s2, the direction.
+ */
 void estimator_step(estimator_state *state, seat_controller_real force, seat_controller_real acceleration,
-                    seat_controller_real rate, bool clear, const estimator_coefficients *c);
+                    seat_controller_real direction, const estimator_coefficients *c);
 
 #endif

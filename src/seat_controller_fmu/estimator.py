@@ -72,6 +72,11 @@ class EstimatorState(NamedTuple):
     mass_trusted: bool = False
     friction_trusted: bool = False
 
+    @property
+    def sliding_direction(self) -> float:
+        """Direction of sliding once it has lasted long enough, else 0."""
+        return self.direction if self.sliding >= SLIDING_SAMPLES else 0.0
+
 
 class EstimatorCoefficients(NamedTuple):
     """Coefficients of the estimator.
@@ -122,23 +127,38 @@ def start(c: EstimatorCoefficients) -> EstimatorState:
     return EstimatorState(c.nominal_mass, c.nominal_friction)
 
 
-def step(
-    state: EstimatorState, force: float, acceleration: float, rate: float, clear: bool, c: EstimatorCoefficients
-) -> EstimatorState:
-    """Take a sample.
+def slide(state: EstimatorState, rate: float) -> EstimatorState:
+    """Count the samples of sliding.
 
     Parameters
     ----------
     state
         State after the previous sample.
+    rate
+        Rate of the deflection, in m/s.
+
+    Returns
+    -------
+    EstimatorState
+        With direction and number of samples.
+    """
+    direction = 1.0 if rate > SLIDING_RATE else -1.0 if rate < -SLIDING_RATE else 0.0
+    slides_on = direction == state.direction and direction != 0.0
+    sliding = min(state.sliding + 1.0, SLIDING_SAMPLES) if slides_on else 0.0
+    return state._replace(direction=direction, sliding=sliding)
+
+
+def step(state: EstimatorState, force: float, acceleration: float, c: EstimatorCoefficients) -> EstimatorState:
+    """Take a sample of sliding.
+
+    Parameters
+    ----------
+    state
+        State from :func:`slide`.
     force
         y, in N.
     acceleration
         a_b, in m/s2.
-    rate
-        Rate of the deflection, in m/s.
-    clear
-        Whether no end stop has been near lately.
     c
         Coefficients from :func:`prepare`.
 
@@ -147,13 +167,7 @@ def step(
     EstimatorState
         After the sample.
     """
-    direction = 1.0 if rate > SLIDING_RATE else -1.0 if rate < -SLIDING_RATE else 0.0
-    slides_on = direction == state.direction and direction != 0.0
-    sliding = min(state.sliding + 1.0, SLIDING_SAMPLES) if slides_on else 0.0
-    state = state._replace(direction=direction, sliding=sliding)
-    if sliding < SLIDING_SAMPLES or not clear:
-        return state
-    memory = c.memory
+    memory, direction = c.memory, state.direction
     state = state._replace(
         n=memory * state.n + 1.0,
         s=memory * state.s + direction,

@@ -10,8 +10,9 @@ static const double impact_samples = 50.0;
 static const double frozen_samples = 45.0, frozen_path = 0.008, frozen_rate = 0.03;
 static const double jump_rate = 3.0, largest_surprise = 0.8e-3;
 static const double near_stop = 0.95, settling_samples = 150.0, estimator_samples = 50.0;
-static const double balance_time = 0.02, balance_margin = 30.0, balance_friction = 1.2, balance_mass = 40.0;
-static const double imbalance_limit = 6.0, imbalance_rate = 4.0;
+static const double balance_time = 0.02, balance_margin = 30.0, balance_mass = 45.0;
+static const double friction_beyond = 1.2, friction_unknown = 0.25;
+static const double imbalance_limit = 3.0, imbalance_rate = 4.0;
 static const double biased_samples = 1000.0;
 
 static real magnitude(real x)
@@ -92,13 +93,15 @@ void faults_check_signals(faults_state *state, real acceleration, real deflectio
           FAULT_DEFLECTION_FROZEN);
 }
 
-void faults_check_observers(faults_state *state, real surprise, real balance, real friction, bool bias_at_bound,
-                            const faults_coefficients *c)
+void faults_check_observers(faults_state *state, real surprise, real balance, real friction, real direction,
+                            bool bias_at_bound, const faults_coefficients *c)
 {
-    const real uncertain = REAL(balance_mass) * magnitude(state->acceleration);
-    const real allowed = REAL(balance_margin) + REAL(balance_friction) * friction + uncertain;
+    const bool slides = direction > REAL(0.0) || direction < REAL(0.0);
+    state->low_passed = state->low_passed + c->balance_gain * (state->acceleration - state->low_passed);
     state->balance = state->balance + c->balance_gain * (balance - state->balance);
-    const real excess = magnitude(state->balance) - allowed;
+    const real unknown = slides ? REAL(friction_unknown) * friction : REAL(friction_beyond) * friction;
+    const real allowed = REAL(balance_margin) + unknown + REAL(balance_mass) * magnitude(state->low_passed);
+    const real excess = magnitude(state->balance - direction * friction) - allowed;
     const real kept = c->imbalance_decay * state->imbalance;
     const bool settled = !(state->clear < REAL(settling_samples));
     state->imbalance = settled ? (excess > REAL(0.0) ? kept + c->sample_time * excess : kept) : REAL(0.0);

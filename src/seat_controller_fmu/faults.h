@@ -13,6 +13,7 @@ typedef struct {
     seat_controller_real rate_before; /* rate before the deflection stood still, in m/s */
     seat_controller_real clear;       /* samples since an end stop was near, at most those of clear_time */
     seat_controller_real balance;     /* low-passed balance of forces in N */
+    seat_controller_real low_passed;  /* acceleration in m/s2 */
     seat_controller_real imbalance;   /* leaky integral of the excess of the force balance, in N.s */
     seat_controller_real biased;      /* samples since the bias is at its bound */
 } faults_state;
@@ -39,9 +40,10 @@ void faults_check_signals(faults_state *state, seat_controller_real acceleration
                           const faults_coefficients *c);
 
 /* Check what the law observes: how far in m the deflection is from the observed one, the balance of forces in N, which
- * healthy sensors keep within the friction, and the estimated bias. */
+ * healthy sensors keep at the friction times the direction of sliding, or within it, and the estimated bias. */
 void faults_check_observers(faults_state *state, seat_controller_real surprise, seat_controller_real balance,
-                            seat_controller_real friction, bool bias_at_bound, const faults_coefficients *c);
+                            seat_controller_real friction, seat_controller_real direction, bool bias_at_bound,
+                            const faults_coefficients *c);
 
 /* Whether no end stop was near for a time that lets the seat settle after an impact, or a shorter one for the
  * estimator. */

@@ -6,7 +6,8 @@ the two sensors and the force contradict each other: the balance of forces
 
     u - k_f delta - m_s a_s - m_b a_b + M b
 
-is the friction if all are right. What exceeds the friction, and what an unknown mass can explain, is integrated.
+is the friction if all are right: F_r sgn v while the seat slides, between -F_r and F_r otherwise. What exceeds that,
+and what an unknown mass can explain, is integrated.
 
 An impact on an end stop is no fault. The accelerometer may then be beyond its range for 100 ms, and the balance of
 forces and the prediction are not judged until 0.3 s after the seat was last near a stop, or after the start.
@@ -40,9 +41,11 @@ ESTIMATOR_SAMPLES = 50.0
 """Samples after which the estimator takes part again."""
 BALANCE_TIME = 0.02
 """Time constant of the low-pass of the balance, in s: what an untold delay of the actuator does is shorter."""
-BALANCE_MARGIN, BALANCE_FRICTION, BALANCE_MASS = 30.0, 1.2, 40.0
-"""What the balance may be: a constant in N, a factor on the friction, and an unknown mass in kg."""
-IMBALANCE_LIMIT, IMBALANCE_RATE = 6.0, 4.0
+BALANCE_MARGIN, BALANCE_MASS = 30.0, 45.0
+"""How far the balance may be off: a constant in N, and an unknown mass in kg."""
+FRICTION_BEYOND, FRICTION_UNKNOWN = 1.2, 0.25
+"""Share of the friction that is allowed besides: around 0, and around the friction while the seat slides."""
+IMBALANCE_LIMIT, IMBALANCE_RATE = 3.0, 4.0
 """Largest leaky integral of the excess in N.s, and the rate of its leak in 1/s."""
 BIASED_SAMPLES = 1000.0
 """Samples after which a bias at its bound is a fault: 2 s."""
@@ -67,8 +70,8 @@ class FaultsState(NamedTuple):
         Filtered rate before the deflection stood still, in m/s.
     clear
         Samples since an end stop was near, at most :data:`SETTLING_SAMPLES`.
-    balance
-        Low-passed balance of forces, in N.
+    balance, low_passed
+        Low-passed balance of forces in N, and acceleration in m/s2.
     imbalance
         Leaky integral of its excess, in N.s.
     biased
@@ -84,6 +87,7 @@ class FaultsState(NamedTuple):
     rate_before: float = 0.0
     clear: float = 0.0
     balance: float = 0.0
+    low_passed: float = 0.0
     imbalance: float = 0.0
     biased: float = 0.0
 
@@ -224,7 +228,13 @@ def check_signals(
 
 
 def check_observers(
-    state: FaultsState, surprise: float, balance: float, friction: float, bias_at_bound: bool, c: FaultsCoefficients
+    state: FaultsState,
+    surprise: float,
+    balance: float,
+    friction: float,
+    direction: float,
+    bias_at_bound: bool,
+    c: FaultsCoefficients,
 ) -> FaultsState:
     """Check what the law observes.
 
@@ -238,6 +248,8 @@ def check_observers(
         Balance of forces, in N.
     friction
         Estimated friction, in N.
+    direction
+        Of sliding: -1, 1, or 0 if the seat does not slide.
     bias_at_bound
         Whether the estimate of the accelerometer's bias is at its bound.
     c
@@ -248,9 +260,11 @@ def check_observers(
     FaultsState
         With the fault latched, if there is one.
     """
-    allowed = BALANCE_MARGIN + BALANCE_FRICTION * friction + BALANCE_MASS * abs(state.acceleration)
-    low_passed = state.balance + c.balance_gain * (balance - state.balance)
-    excess = abs(low_passed) - allowed
+    low_passed = state.low_passed + c.balance_gain * (state.acceleration - state.low_passed)
+    smooth = state.balance + c.balance_gain * (balance - state.balance)
+    unknown = FRICTION_UNKNOWN * friction if direction != 0.0 else FRICTION_BEYOND * friction
+    allowed = BALANCE_MARGIN + unknown + BALANCE_MASS * abs(low_passed)
+    excess = abs(smooth - direction * friction) - allowed
     kept = c.imbalance_decay * state.imbalance
     settled = state.clear >= SETTLING_SAMPLES
     imbalance = (kept + c.sample_time * excess if excess > 0.0 else kept) if settled else 0.0
@@ -262,4 +276,4 @@ def check_observers(
         (imbalance > IMBALANCE_LIMIT, Fault.deflection_frozen if frozen else Fault.force_balance),
         (biased > BIASED_SAMPLES, Fault.acceleration_bias),
     )
-    return state._replace(fault=fault, balance=low_passed, imbalance=imbalance, biased=biased)
+    return state._replace(fault=fault, balance=smooth, low_passed=low_passed, imbalance=imbalance, biased=biased)

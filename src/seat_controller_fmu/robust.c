@@ -337,10 +337,12 @@ static void run_law(robust_state *s, const robust_sample *m, const robust_coeffi
     s->held = *force;
     s->safety = REAL(0.0);
     update_bias(s, m, *force, still, c);
-    if (c->estimates) {
-        estimator_step(&s->estimator, rest, a_b, s->rate, faults_clear_of_stops(&s->faults), &c->estimator);
+    const real sliding = estimator_slide(&s->estimator, s->rate);
+    const bool slides = sliding > REAL(0.0) || sliding < REAL(0.0);
+    if (c->estimates && slides && faults_clear_of_stops(&s->faults)) {
+        estimator_step(&s->estimator, rest, a_b, sliding, &c->estimator);
     }
-    faults_check_observers(&s->faults, surprise, s->applied + free_force, s->estimator.friction,
+    faults_check_observers(&s->faults, surprise, s->applied + free_force, s->estimator.friction, sliding,
                            !(magnitude(s->bias) < c->bias_bound), &c->faults);
 }
 

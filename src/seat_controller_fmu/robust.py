@@ -580,12 +580,18 @@ def _run_law(s: RobustState, m: Sample, c: RobustCoefficients) -> tuple[RobustSt
     bias = _clip(moving + still * (resting - moving), -c.bias_bound, c.bias_bound)
     F = F - still * c.still_leak * F
 
-    estimates = s.estimator
-    if c.estimates:
-        rest = s.applied - spring - c.m_s * a
-        estimates = estimator.step(estimates, rest, a_b, v, s.faults.is_clear_of_stops, c.estimator)
+    estimates = estimator.slide(s.estimator, v)
+    sliding = estimates.sliding_direction
+    if c.estimates and sliding != 0.0 and s.faults.is_clear_of_stops:
+        estimates = estimator.step(estimates, s.applied - spring - c.m_s * a, a_b, c.estimator)
     found = faults.check_observers(
-        s.faults, surprise, s.applied + free_force, estimates.friction, not abs(bias) < c.bias_bound, c.faults
+        s.faults,
+        surprise,
+        s.applied + free_force,
+        estimates.friction,
+        sliding,
+        not abs(bias) < c.bias_bound,
+        c.faults,
     )
     s = s._replace(
         level=level,
