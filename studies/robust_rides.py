@@ -320,3 +320,15 @@ class RobustRides:
             "shaker.sine.amplitude": amplitude,
         }
         return peak(self.run(excitation, world, mass, duration)[DRIVER][round(WARM_UP * RATE) :])
+
+    def bump(self, world: World, mass: float) -> float:
+        """Ride over the paper's bump, met at the start; returns the peak acceleration of the driver, in m/s2.
+
+        Parameters
+        ----------
+        world
+            In which world.
+        mass
+            The driver's mass, in kg.
+        """
+        return peak(self.run({"shaker.profile": "bump"}, world, mass, 3.0)[DRIVER])

@@ -18,9 +18,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from cosim.metrics import peak
 from studies.robust_rides import (
-    DRIVER,
     HARSH,
     Controller,
     RideMetrics,
@@ -158,10 +156,7 @@ def bumps(known: dict[str, Controller], scope: Scope, fmus: Path) -> dict[str, l
     for controller, definition in known.items():
         with RobustRides(fmus, definition) as session:
             for mass in scope.masses:
-                peaks = [
-                    peak(session.run({"shaker.profile": "bump"}, World(travel=travel), mass, 3.0)[DRIVER])
-                    for travel in (0.0, 0.040)
-                ]
+                peaks = [session.bump(World(travel=travel), mass) for travel in (0.0, 0.040)]
                 cells.setdefault(controller, []).append(" / ".join(f"{each:.1f}" for each in peaks))
     return cells
 

@@ -93,8 +93,15 @@ void faults_check_signals(faults_state *state, real acceleration, real deflectio
           FAULT_DEFLECTION_FROZEN);
 }
 
-void faults_check_observers(faults_state *state, real surprise, real balance, real friction, real direction,
-                            bool bias_at_bound, const faults_coefficients *c)
+void faults_check_prediction(faults_state *state, real surprise)
+{
+    const bool settled = !(state->clear < REAL(settling_samples));
+    latch(state, settled && magnitude(surprise) > REAL(largest_surprise) && !(state->beyond_range > REAL(0.0)),
+          FAULT_DEFLECTION_JUMP);
+}
+
+void faults_check_balance(faults_state *state, real balance, real friction, real direction, bool bias_at_bound,
+                          const faults_coefficients *c)
 {
     const bool slides = direction > REAL(0.0) || direction < REAL(0.0);
     state->low_passed = state->low_passed + c->balance_gain * (state->acceleration - state->low_passed);
@@ -106,8 +113,6 @@ void faults_check_observers(faults_state *state, real surprise, real balance, re
     const bool settled = !(state->clear < REAL(settling_samples));
     state->imbalance = settled ? (excess > REAL(0.0) ? kept + c->sample_time * excess : kept) : REAL(0.0);
     state->biased = counted(state->biased, bias_at_bound);
-    latch(state, settled && magnitude(surprise) > REAL(largest_surprise) && !(state->beyond_range > REAL(0.0)),
-          FAULT_DEFLECTION_JUMP);
     latch(state, state->imbalance > REAL(imbalance_limit),
           state->same_deflection > REAL(frozen_samples) ? FAULT_DEFLECTION_FROZEN : FAULT_FORCE_BALANCE);
     latch(state, state->biased > REAL(biased_samples), FAULT_ACCELERATION_BIAS);

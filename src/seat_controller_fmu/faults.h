@@ -39,11 +39,13 @@ void faults_check_signals(faults_state *state, seat_controller_real acceleration
                           seat_controller_real deflection_before, seat_controller_real rate,
                           const faults_coefficients *c);
 
-/* Check what the law observes: how far in m the deflection is from the observed one, the balance of forces in N, which
- * healthy sensors keep at the friction times the direction of sliding, or within it, and the estimated bias. */
-void faults_check_observers(faults_state *state, seat_controller_real surprise, seat_controller_real balance,
-                            seat_controller_real friction, seat_controller_real direction, bool bias_at_bound,
-                            const faults_coefficients *c);
+/* Check how far in m the deflection is from the observed motion's prediction. */
+void faults_check_prediction(faults_state *state, seat_controller_real surprise);
+
+/* Check the balance of forces in N, which healthy sensors keep at the friction times the direction of sliding, or
+ * within it, and the estimated bias. */
+void faults_check_balance(faults_state *state, seat_controller_real balance, seat_controller_real friction,
+                          seat_controller_real direction, bool bias_at_bound, const faults_coefficients *c);
 
 /* Whether no end stop was near for a time that lets the seat settle after an impact, or a shorter one for the
  * estimator. */

@@ -227,23 +227,39 @@ def check_signals(
     )
 
 
-def check_observers(
-    state: FaultsState,
-    surprise: float,
-    balance: float,
-    friction: float,
-    direction: float,
-    bias_at_bound: bool,
-    c: FaultsCoefficients,
-) -> FaultsState:
-    """Check what the law observes.
+def check_prediction(state: FaultsState, surprise: float) -> FaultsState:
+    """Check the deflection against the observed motion.
 
     Parameters
     ----------
     state
         State from :func:`check_signals` of this sample.
     surprise
-        Distance of the deflection from the observed motion's prediction, in m.
+        Distance of the deflection from the prediction, in m.
+
+    Returns
+    -------
+    FaultsState
+        With the fault latched, if there is one.
+    """
+    jumps = state.clear >= SETTLING_SAMPLES and abs(surprise) > LARGEST_SURPRISE and state.beyond_range == 0.0
+    return state._replace(fault=_latched(state.fault, (jumps, Fault.deflection_jump)))
+
+
+def check_balance(
+    state: FaultsState,
+    balance: float,
+    friction: float,
+    direction: float,
+    bias_at_bound: bool,
+    c: FaultsCoefficients,
+) -> FaultsState:
+    """Check the balance of forces and the estimated bias.
+
+    Parameters
+    ----------
+    state
+        State from :func:`check_signals` of this sample.
     balance
         Balance of forces, in N.
     friction
@@ -272,7 +288,6 @@ def check_observers(
     frozen = state.same_deflection > FROZEN_SAMPLES
     fault = _latched(
         state.fault,
-        (settled and abs(surprise) > LARGEST_SURPRISE and state.beyond_range == 0.0, Fault.deflection_jump),
         (imbalance > IMBALANCE_LIMIT, Fault.deflection_frozen if frozen else Fault.force_balance),
         (biased > BIASED_SAMPLES, Fault.acceleration_bias),
     )

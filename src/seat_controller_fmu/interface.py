@@ -180,7 +180,9 @@ class Parameters:
         p.TRAVEL, "Deflection in either direction that is free, 0: not known, mode robust", minimum=0.0, maximum=1.0
     )
     robust_estimator: Estimator = _later(
-        Estimator.friction_and_mass, "Estimates of friction and mass, and what the law uses of them", name="robust.estimator"
+        Estimator.friction_and_mass,
+        "Estimates of friction and mass, and what the law uses of them",
+        name="robust.estimator",
     )
     robust_cushion_stiffness: float = _later(
         p.CUSHION_STIFFNESS, "Cushion stiffness in the model", name="robust.cushion_stiffness", minimum=POSITIVE

@@ -205,16 +205,26 @@ static void begin(robust_state *s, const robust_sample *m, const robust_coeffici
     *s = fresh;
 }
 
-/* Observe rate and acceleration of the deflection; returns the latter in m/s2, and gives the deflection's distance from
- * the prediction in m. */
-static real observe_motion(robust_state *s, const robust_sample *m, const robust_coefficients *c, real *surprise)
+/* Predicted motion of the deflection: change of the rate in m/s, position in m. */
+typedef struct {
+    real change, position;
+} prediction;
+
+static prediction predict_motion(const robust_state *s, real acceleration, const robust_coefficients *c)
 {
-    const real change = c->h * (m->acceleration - s->floor);
-    const real position = s->position + c->h * s->rate + c->half_h * change;
-    const real error = m->deflection - position;
-    *surprise = error;
-    s->position = position + c->motion_1 * error;
-    s->rate = s->rate + change + c->motion_2 * error;
+    prediction ahead;
+    ahead.change = c->h * (acceleration - s->floor);
+    ahead.position = s->position + c->h * s->rate + c->half_h * ahead.change;
+    return ahead;
+}
+
+/* Correct the observed motion by the measured deflection; returns the acceleration of the deflection in m/s2. */
+static real observe_motion(robust_state *s, const robust_sample *m, const prediction *ahead,
+                           const robust_coefficients *c)
+{
+    const real error = m->deflection - ahead->position;
+    s->position = ahead->position + c->motion_1 * error;
+    s->rate = s->rate + ahead->change + c->motion_2 * error;
     s->floor = s->floor - c->motion_3 * error;
     return m->acceleration - s->floor;
 }
@@ -300,17 +310,18 @@ static real moved(real share, bool up, real step)
 }
 
 /* Run the law for a sample. */
-static void run_law(robust_state *s, const robust_sample *m, const robust_coefficients *c, real *demand, real *force)
+static void run_law(robust_state *s, const robust_sample *m, const prediction *predicted, const robust_coefficients *c,
+                    real *demand, real *force)
 {
     const real delta = m->deflection, a = m->acceleration;
     const bool adapts = c->adapts_mass && s->estimator.mass_trusted;
     const robust_model model = adapts ? model_of(s->estimator.mass, c) : c->nominal;
-    real surprise;
-    const real relative = observe_motion(s, m, c, &surprise);
+    const real relative = observe_motion(s, m, predicted, c);
+    const real before = s->applied;
     model_actuator(s, m->force, c);
     const real a_b = driver_acceleration(s, a, &model);
     const real spring = c->k_f * delta;
-    const real rest = s->applied - spring - c->m_s * a; /* what is left for driver and friction */
+    const real rest = REAL(0.5) * (before + s->applied) - spring - c->m_s * a; /* as late as the sensors are */
     const real free_force = model.mass * s->bias - spring - c->m_s * a - (model.mass - c->m_s) * a_b;
     s->estimate = s->estimate + c->observer_gain * (s->answered + free_force - s->estimate);
     update_envelope(s, delta, c);
@@ -342,8 +353,8 @@ static void run_law(robust_state *s, const robust_sample *m, const robust_coeffi
     if (c->estimates && slides && faults_clear_of_stops(&s->faults)) {
         estimator_step(&s->estimator, rest, a_b, sliding, &c->estimator);
     }
-    faults_check_observers(&s->faults, surprise, s->applied + free_force, s->estimator.friction, sliding,
-                           !(magnitude(s->bias) < c->bias_bound), &c->faults);
+    faults_check_balance(&s->faults, s->applied + free_force, s->estimator.friction, sliding,
+                         !(magnitude(s->bias) < c->bias_bound), &c->faults);
 }
 
 /* The safe state after a fault: the last force fades, a damper takes its place where the deflection is trusted. */
@@ -371,13 +382,18 @@ void robust_step(robust_state *state, const robust_sample *sample, const robust_
     faults_check_signals(&s->faults, sample->acceleration, sample->deflection, sample->deflection_before, sample->rate,
                          &c->faults);
     *demand = *force = REAL(0.0);
-    if (s->faults.fault > FAULT_NONE) {
-        run_safe(s, sample, c, demand, force);
-    } else if (!off) {
+    prediction predicted = {0};
+    if (!off && !(s->faults.fault > FAULT_NONE)) {
         if (!s->active) {
             begin(s, sample, c);
         }
-        run_law(s, sample, c, demand, force);
+        predicted = predict_motion(s, sample->acceleration, c);
+        faults_check_prediction(&s->faults, sample->deflection - predicted.position);
+    }
+    if (s->faults.fault > FAULT_NONE) {
+        run_safe(s, sample, c, demand, force);
+    } else if (!off) {
+        run_law(s, sample, &predicted, c, demand, force);
         flush(s);
     }
     if (!c->estimates) {

@@ -519,7 +519,21 @@ def _model_actuator(s: RobustState, force: float, c: RobustCoefficients) -> Robu
     )
 
 
-def _run_law(s: RobustState, m: Sample, c: RobustCoefficients) -> tuple[RobustState, float, float]:
+class _Prediction(NamedTuple):
+    """Predicted motion of the deflection: change of the rate in m/s, position in m."""
+
+    change: float
+    position: float
+
+
+def _predict_motion(s: RobustState, acceleration: float, c: RobustCoefficients) -> _Prediction:
+    change = c.h * (acceleration - s.floor)
+    return _Prediction(change, s.position + c.h * s.rate + c.half_h * change)
+
+
+def _run_law(
+    s: RobustState, m: Sample, predicted: _Prediction, c: RobustCoefficients
+) -> tuple[RobustState, float, float]:
     """Run the law for a sample; returns the state, the force demand and the force in N."""
     delta, a = m.deflection, m.acceleration
     n = c.nominal
@@ -527,15 +541,14 @@ def _run_law(s: RobustState, m: Sample, c: RobustCoefficients) -> tuple[RobustSt
         n = _seat_model(s.estimator.mass, c.m_s, c.cushion_damping, c.cushion_stiffness, c.inertia)
 
     # motion of the deflection
-    change = c.h * (a - s.floor)
-    predicted = s.position + c.h * s.rate + c.half_h * change
-    surprise = delta - predicted
-    position = predicted + c.motion_1 * surprise
-    v = s.rate + change + c.motion_2 * surprise
+    surprise = delta - predicted.position
+    position = predicted.position + c.motion_1 * surprise
+    v = s.rate + predicted.change + c.motion_2 * surprise
     floor = s.floor - c.motion_3 * surprise
     w = a - floor
 
     # disturbance observer
+    before = s.applied
     s = _model_actuator(s, m.force, c)
     a_b = n.b_0 * a + s.cushion_1
     cushion_1 = n.b_1 * a - n.a_1 * a_b + s.cushion_2
@@ -583,10 +596,10 @@ def _run_law(s: RobustState, m: Sample, c: RobustCoefficients) -> tuple[RobustSt
     estimates = estimator.slide(s.estimator, v)
     sliding = estimates.sliding_direction
     if c.estimates and sliding != 0.0 and s.faults.is_clear_of_stops:
-        estimates = estimator.step(estimates, s.applied - spring - c.m_s * a, a_b, c.estimator)
-    found = faults.check_observers(
+        late = 0.5 * (before + s.applied)  # as late as sensors with a low-pass of 100 Hz
+        estimates = estimator.step(estimates, late - spring - c.m_s * a, a_b, c.estimator)
+    found = faults.check_balance(
         s.faults,
-        surprise,
         s.applied + free_force,
         estimates.friction,
         sliding,
@@ -657,10 +670,15 @@ def step(state: RobustState, sample: Sample, c: RobustCoefficients) -> tuple[Rob
     )
     s = s._replace(faults=found)
     demand = force = 0.0
-    if found.fault != Fault.none:
+    predicted = _Prediction(0.0, 0.0)
+    if not off and found.fault == Fault.none:
+        s = s if s.active else _begin(s, sample, c)
+        predicted = _predict_motion(s, sample.acceleration, c)
+        s = s._replace(faults=faults.check_prediction(s.faults, sample.deflection - predicted.position))
+    if s.faults.fault != Fault.none:
         s, demand, force = _run_safe(s, sample, c)
     elif not off:
-        s, demand, force = _run_law(s if s.active else _begin(s, sample, c), sample, c)
+        s, demand, force = _run_law(s, sample, predicted, c)
     if not c.estimates:
         nominal = c.estimator
         s = s._replace(estimator=s.estimator._replace(mass=nominal.nominal_mass, friction=nominal.nominal_friction))
