@@ -2,6 +2,7 @@
 
 python -m studies.robust_table                   four classes, two drivers, 60 s: some minutes
 python -m studies.robust_table --full            nine classes, six drivers, 200 s
+python -m studies.robust_table --no-baselines    without the skyhook and LQG scripts, which are slow Python FMUs
 python -m studies.robust_table --output DIR      where robust.csv with all metrics goes
 
 All rides use the FMUs and the master. Each cell is SEAT / SEAT by VDV / contacts with the end stops. The mode robust
@@ -229,13 +230,16 @@ def main() -> None:
     """Ride and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--full", action="store_true", help="all classes, drivers and seeds")
+    parser.add_argument("--no-baselines", action="store_true", help="without the skyhook and LQG scripts")
     parser.add_argument("--output", type=Path, default=ROOT / "results" / "robust", help="folder of robust.csv")
     arguments = parser.parse_args()
     if set(TEST_SEEDS) & set(TRAINING_SEEDS):
         raise SystemExit("expected seeds that no tuning saw")
     scope, fmus = FULL if arguments.full else REDUCED, ROOT / "fmus" / "fmi2"
     with tempfile.TemporaryDirectory() as folder:
-        known = with_baselines(controllers(fmus), Path(folder))
+        known = controllers(fmus)
+        if not arguments.no_baselines:
+            known = with_baselines(known, Path(folder))
         rows = []
         for row in rides(known, scope, fmus):
             rows.append(row)
