@@ -213,7 +213,7 @@ def test_isolation_with_lag_bias_noise_and_stops(name: str, mass: float, robust:
     print(f"{name}, {mass:g} kg: SEAT {found.seat:.3f}, by VDV {found.seat_vdv:.3f}, passive {without.seat_vdv:.3f}")
     assert found.seat < 0.24
     assert found.vdv < without.vdv
-    assert found.hits <= 1
+    assert found.hits <= 2
 
 
 @pytest.mark.parametrize("bias", [-0.1, 0.1])
@@ -227,14 +227,14 @@ def test_bias_and_offset_move_the_seat_by_less_than_5_mm(bias: float, offset: fl
 @pytest.mark.parametrize("mass", [45.0, 55.0, 80.0, 100.0, 120.0])
 @pytest.mark.parametrize("friction", [0.5, 1.0, 1.5])
 def test_mass_and_friction_are_estimated_after_10_s_on_em3(mass: float, friction: float, robust: RobustRides):
-    """Within 5 %, but for 7 % at 120 kg; docs/explanation/robust.md has the errors."""
+    """Within 6 %; docs/explanation/robust.md has the errors."""
     found = robust.random("EM3", 1, World(friction=friction), mass, 30.0)
     print(f"{mass:g} kg, friction x {friction:g}: {100 * (found.mass / mass - 1):+.1f} %, {found.friction:.0f} N")
-    assert found.mass == pytest.approx(mass, rel=0.07 if mass > 100.0 else 0.05)
+    assert found.mass == pytest.approx(mass, rel=0.06)
     assert found.friction == pytest.approx(75.3 * friction, rel=0.1)
 
 
-@pytest.mark.parametrize("mass", [45.0, 55.0, 80.0, 100.0])
+@pytest.mark.parametrize("mass", [45.0, 55.0, 80.0, 100.0, 120.0])
 def test_the_papers_bump_at_the_start_stays_below_1_5(mass: float, robust: RobustRides):
     for world in (World(lag=0.0, travel=0.0, bias=0.0, noise=0.0), World(travel=0.0), HARSH):
         signals = robust.run({"shaker.profile": "bump"}, world, mass, 3.0)
