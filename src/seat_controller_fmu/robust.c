@@ -404,8 +404,12 @@ void robust_step(robust_state *state, const robust_sample *sample, const robust_
 
 bool robust_is_valid_state(const robust_state *state, const seat_controller_parameters *parameters)
 {
-    const real delay = delay_in_samples(parameters);
+    const real delay = delay_in_samples(parameters), place = state->place;
+    const double fault = state->faults.fault;
     const bool line = !(state->line_length < REAL(2.0) * delay) && !(state->line_length > REAL(2.0) * delay);
-    const bool place = !(state->place < REAL(0.0)) && (state->place < delay || !(state->place > REAL(0.0)));
-    return line && place && state->faults.fault >= FAULT_NONE && state->faults.fault <= FAULT_DEFLECTION_FROZEN;
+    const bool inside = !(place < REAL(0.0)) && (place < delay || !(place > REAL(0.0)));
+    if (!line || !inside || !(fault >= FAULT_NONE && fault <= FAULT_DEFLECTION_FROZEN)) {
+        return false;
+    }
+    return !(fault > floor(fault)) && !((double)place > floor((double)place));
 }
