@@ -95,7 +95,7 @@ class EstimatorCoefficients(NamedTuple):
 
 
 def prepare(parameters: Parameters) -> EstimatorCoefficients:
-    """Derive the coefficients.
+    """Derive the coefficients of the estimator from the parameters.
 
     Parameters
     ----------

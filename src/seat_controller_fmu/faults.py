@@ -131,7 +131,7 @@ class FaultsCoefficients(NamedTuple):
 
 
 def prepare(parameters: Parameters) -> FaultsCoefficients:
-    """Derive the coefficients.
+    """Derive the coefficients of the detection from the parameters.
 
     Parameters
     ----------

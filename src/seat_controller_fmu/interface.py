@@ -19,7 +19,7 @@ MAX_DELAY = 0.1
 
 
 class Mode(IntEnum):
-    """Control laws."""
+    """Control laws that the controller can run."""
 
     published = 1
     robust = 2

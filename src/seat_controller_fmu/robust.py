@@ -336,7 +336,7 @@ def _check(p: Parameters) -> None:
 
 
 def prepare(parameters: Parameters) -> RobustCoefficients:
-    """Derive the coefficients.
+    """Derive the coefficients of the law from the parameters.
 
     Parameters
     ----------
@@ -643,7 +643,7 @@ def _run_safe(s: RobustState, m: Sample, c: RobustCoefficients) -> tuple[RobustS
 
 
 def step(state: RobustState, sample: Sample, c: RobustCoefficients) -> tuple[RobustState, float, float]:
-    """Take a sample.
+    """Take a sample: check the sensors, then run the law or the safe state.
 
     Parameters
     ----------

@@ -171,7 +171,7 @@ class RobustLoop(NamedTuple):
 
 
 def closed_loop(controller: tuple[Array, Array], seat: ActuatedSeat, delay: int) -> RobustLoop:
-    """Close the loop.
+    """Close the loop of controller, actuator and seat.
 
     Parameters
     ----------
