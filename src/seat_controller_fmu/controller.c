@@ -119,10 +119,12 @@ static void held_outputs(const seat_controller_state *state, const seat_controll
     outputs->deflection_rate = state->rate;
     outputs->saturated = state->demand > state->force || state->demand < state->force;
     outputs->fault = (int)state->robust.faults.fault;
-    outputs->driver_mass_estimate = state->robust.estimator.mass;
-    outputs->friction_estimate = state->robust.estimator.friction;
-    outputs->driver_mass_trusted = state->robust.estimator.mass_trusted;
-    outputs->friction_trusted = state->robust.estimator.friction_trusted;
+    const estimator_state *estimates = &state->robust.estimator;
+    const estimator_coefficients *nominal = &c->robust.estimator;
+    outputs->driver_mass_estimate = c->is_robust ? estimates->mass : nominal->nominal_mass;
+    outputs->friction_estimate = c->is_robust ? estimates->friction : nominal->nominal_friction;
+    outputs->driver_mass_trusted = estimates->mass_trusted;
+    outputs->friction_trusted = estimates->friction_trusted;
 }
 
 /* Take one sample of the mode robust. A measurement that is not finite changes the fault alone. */

@@ -265,6 +265,7 @@ def held_outputs(state: State, coefficients: Coefficients) -> Outputs:
     """
     height = coefficients.height + state.deflection
     radicand = coefficients.link_squared - height * height
+    estimates, nominal = state.robust.estimator, coefficients.robust.estimator
     torque = state.force * math.sqrt(radicand) * coefficients.torque_gain if radicand > 0.0 else 0.0
     return Outputs(
         force=state.force,
@@ -274,10 +275,10 @@ def held_outputs(state: State, coefficients: Coefficients) -> Outputs:
         deflection_rate=state.rate,
         saturated=state.demand != state.force,
         fault=Fault(state.robust.faults.fault),
-        driver_mass_estimate=state.robust.estimator.mass,
-        friction_estimate=state.robust.estimator.friction,
-        driver_mass_trusted=state.robust.estimator.mass_trusted,
-        friction_trusted=state.robust.estimator.friction_trusted,
+        driver_mass_estimate=estimates.mass if coefficients.is_robust else nominal.nominal_mass,
+        friction_estimate=estimates.friction if coefficients.is_robust else nominal.nominal_friction,
+        driver_mass_trusted=estimates.mass_trusted,
+        friction_trusted=estimates.friction_trusted,
     )
 
 
