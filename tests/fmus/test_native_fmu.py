@@ -199,7 +199,7 @@ def test_flavours_agree_on_random_inputs(fmus: Path, native: Path, component: Co
     for flavour in NATIVE:
         for name in found["python"].dtype.names:
             expected = found["python"][name].astype(float)
-            assert expected.any()
+            assert expected.any() or name.endswith("_trusted"), name  # of the mode robust
             assert largest_relative(found[flavour][name].astype(float), expected) < SAME, (flavour, name)
 
 
