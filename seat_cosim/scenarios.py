@@ -140,7 +140,7 @@ def mode(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
     Parameters
     ----------
     name
-        ``published`` or ``robust``. The latter is known the actuator and the travel of the seat.
+        ``published`` or ``robust``. The latter gets the actuator and the travel of the seat as parameters.
     parameters
         Parameters of the run. What they say about the controller's model of the actuator stays.
 
