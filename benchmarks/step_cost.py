@@ -19,7 +19,7 @@ from seat_controller_fmu.interface import Mode
 from seat_cosim.components import COMPONENTS
 
 CHOICES = {
-    "SeatController": {"mode": (Mode.robust, "0.05, 0.006", "outputs.fault == FAULT_NONE && outputs.friction_trusted")}
+    "SeatController": {"mode": (Mode.robust, "0.001, 0.005", "outputs.fault == FAULT_NONE && outputs.friction_trusted")}
 }
 """Component to enumerations that are measured besides their default, with amplitudes of the inputs that suit them, and
 what must be true at the end.
