@@ -84,7 +84,7 @@ def certify_robust(settings: Iterable[str]) -> tuple[Parameters, LoopCertificate
 
 
 def write_certificate(parameters: Parameters, certificate: LoopCertificate, folder: Path) -> str:
-    """Write ``certificate.json``.
+    """Write the certificate to ``certificate.json``.
 
     Parameters
     ----------

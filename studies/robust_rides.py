@@ -28,7 +28,7 @@ FORCE, FAULT, FLOOR = "controller.force", "controller.fault", "shaker.floor_acce
 MASS_ESTIMATE, FRICTION_ESTIMATE = "controller.driver_mass_estimate", "controller.friction_estimate"
 
 TOLD_MASS = 75.0
-"""Driver's mass in kg that the mode robust reckons with before it has an estimate, whoever sits there."""
+"""Driver's mass in kg that the mode robust assumes before it has an estimate, whoever sits there."""
 
 
 class World(NamedTuple):
@@ -165,9 +165,9 @@ class Controller(NamedTuple):
     parameters
         As ``component.variable``.
     told
-        Whether it is told the driver's mass.
+        Whether it gets the driver's mass.
     is_robust
-        Whether its mode is robust: it is told actuator and travel.
+        Whether its mode is robust: it gets actuator and travel.
     is_passive
         Whether it is the passive seat, whose friction is a share of the active one's.
     fmu

@@ -6,7 +6,7 @@ python -m studies.robust_table --no-baselines    without the skyhook and LQG scr
 python -m studies.robust_table --output DIR      where robust.csv with all metrics goes
 
 All rides use the FMUs and the master. Each cell is SEAT / SEAT by VDV / contacts with the end stops. The mode robust
-reckons with 75 kg, whoever sits there; the others are told the driver's mass.
+assumes 75 kg, whoever sits there; the others get the driver's mass.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ python -m studies.tune_robust                some ten minutes; prints each impro
 python -m studies.tune_robust --steps 20
 python -m studies.tune_robust --evaluate     the cost of the defaults, by its parts
 
-A (1+1) evolution strategy with multiplicative steps. The controller reckons with 75 kg, whoever sits there. The cost
+A (1+1) evolution strategy with multiplicative steps. The controller assumes 75 kg, whoever sits there. The cost
 adds the mean SEAT, half the mean SEAT by VDV and 0.3 of the largest SEAT at scale 1. It adds the VDV over that of the
 passive seat at scale 1.25, with a penalty above 0.9, the peak over that of the passive seat on slow sines, the peak of
 the paper's bump beyond 1.3 m/s2, and contacts with the stops.

@@ -149,7 +149,9 @@ class Network:
             and not (causality == "output" and variable.causality == "calculatedParameter")
         ]
         if (fed := self.feeding(sink)) is not None:
-            problems.append(f"expected a free input, got one that {fed.source} feeds; free it first: disconnect {sink}")
+            problems.append(
+                f"expected a free input, got one that {fed.source} feeds; --disconnect {sink}, or System.disconnect, frees it"
+            )
         types = check_types(ends["output"][1], ends["input"][1])
         problems += types + self._shape_problems(source, sink)
         units = Compatibility()

@@ -132,8 +132,12 @@ def _units(structure: Structure) -> dict[str, Unit]:
 
 
 def _connectable(model: ModelDescription) -> list[ModelVariable]:
-    """Return the variables that get a connector: all inputs and outputs of types that SSP has."""
-    return [v for v in model.variables.values() if v.causality in ("input", "output") and KINDS[v.type] in ssv.KINDS]
+    """Return the variables that get a connector: all inputs and outputs of types that SSP has, but for enumerations.
+
+    An enumeration's connector would have no type, as its items are not described; libcosim refuses such a file.
+    """
+    kinds = set(ssv.KINDS) - {"Enumeration"}
+    return [v for v in model.variables.values() if v.causality in ("input", "output") and KINDS[v.type] in kinds]
 
 
 def _connectors(structure: Structure, component: str) -> dict[str, ModelVariable]:

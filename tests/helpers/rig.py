@@ -33,12 +33,12 @@ class Floor(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What the seat did at t = k h: driver's acceleration in m/s2, deflection in m; force and fault of sample k."""
+    """What the seat did at t = k h: driver's acceleration in m/s2, deflection in m; force and fault of sample k, where they are known."""
 
     acceleration: Array
     deflection: Array
-    force: Array
-    fault: Array
+    force: Array | None = None
+    fault: Array | None = None
 
 
 def bump(duration: float, height: float = 0.07, length: float = 0.8, speed: float = 1.0) -> Floor:

@@ -40,7 +40,7 @@ int main(void)
 @pytest.mark.builds
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 @pytest.mark.parametrize("real", ["double", "float"])
-def test_the_interrupt_of_the_page_gives_the_force_of_the_readme(real: str, tmp_path: Path):
+def test_the_interrupt_of_the_page_gives_the_force_of_the_script(real: str, tmp_path: Path):
     page = (ROOT / "docs" / "how-to" / "microcontroller.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```c\n(.*?)```", page, re.DOTALL)
     (tmp_path / "main.c").write_text(code + MAIN, encoding="utf-8")
@@ -54,5 +54,5 @@ def test_the_interrupt_of_the_page_gives_the_force_of_the_readme(real: str, tmp_
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     force = float(subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout)
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert force == pytest.approx(float(re.search(r"# prints ([-\d.]+)", readme)[1]), abs=0.05)
+    script = (ROOT / "docs" / "how-to" / "run-one-fmu.md").read_text(encoding="utf-8")
+    assert force == pytest.approx(float(re.search(r"# prints ([-\d.]+)", script)[1]), abs=0.05)

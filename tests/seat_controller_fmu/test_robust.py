@@ -125,7 +125,7 @@ def test_enabled_ramps_the_force_and_disabled_gives_none():
     assert abs(rising[0]) < 0.1 * ROBUST.force_limit
 
 
-def test_force_is_limited_and_the_observer_is_told():
+def test_force_is_limited_and_the_observer_gets_it():
     p = replace(TUNED, force_limit=50.0)
     state, forces = drive(p, sine(600))
     assert np.abs(forces).max() == 50.0

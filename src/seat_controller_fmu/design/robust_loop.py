@@ -257,7 +257,7 @@ class Case:
     follow
         beta, as a share of its bound.
     told_mass
-        Driver's mass in kg that the controller reckons with; None for the true one.
+        Driver's mass in kg that the controller assumes; None for the true one.
     cushion
         Factor on stiffness and damping of the cushion; infinite for a rigid load.
     """
