@@ -150,7 +150,8 @@ class Network:
         ]
         if (fed := self.feeding(sink)) is not None:
             problems.append(
-                f"expected a free input, got one that {fed.source} feeds; --disconnect {sink}, or System.disconnect, frees it"
+                f"expected a free input, got one that {fed.source} feeds; "
+                f"--disconnect {sink}, or System.disconnect, frees it"
             )
         types = check_types(ends["output"][1], ends["input"][1])
         problems += types + self._shape_problems(source, sink)

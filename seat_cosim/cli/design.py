@@ -77,6 +77,7 @@ def design(
     from seat_cosim.gain_design import DesignRequest, certified_gains, write_design
 
     if mode == "robust":
+        refuse_without_effect(["given", "pareto", *request], "--mode robust", "its gains are parameters of the mode")
         _certify_robust(settings, output)
         return
     if settings:

@@ -33,7 +33,10 @@ class Floor(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What the seat did at t = k h: driver's acceleration in m/s2, deflection in m; force and fault of sample k, where they are known."""
+    """What the seat did at t = k h: driver's acceleration in m/s2, deflection in m.
+
+    And force and fault of sample k, where they are known.
+    """
 
     acceleration: Array
     deflection: Array

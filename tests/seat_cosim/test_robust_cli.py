@@ -16,7 +16,7 @@ from tests.helpers.shell import Shell
 LAG = ("--set", "seat.actuator.time_constant=0.005")
 
 
-def test_the_mode_is_told_actuator_and_travel_of_the_seat_unless_they_are_set():
+def test_the_mode_gets_actuator_and_travel_of_the_seat_unless_they_are_set():
     seat = {"seat.actuator.time_constant": 0.005, "seat.actuator.delay": 0.0, "seat.end_stop.travel": 0.05}
     told = mode("robust", {**seat, "controller.travel": 0.03})
     assert told == {"controller.mode": "robust", "controller.actuator_time_constant": 0.005}
