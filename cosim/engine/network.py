@@ -281,6 +281,8 @@ class Network:
             If there is no such component, variable or element, with similar names.
         """
         model = self._model(ref)
+        if sizes is None and not model.structural:  # parameters of other components do not matter
+            return model.elements(ref.component, ref.variable, model.sizes())
         given = self.sizes({})[ref.component] if sizes is None else sizes[ref.component]
         return model.elements(ref.component, ref.variable, given)
 
