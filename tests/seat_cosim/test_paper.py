@@ -196,6 +196,7 @@ def test_csv_files_hold_the_curves(folder: Path, found: dict[str, Finding]):
         assert len(drawn) >= min(curves, 2)
 
 
+@pytest.mark.long  # all experiments a second time
 def test_reproduce_alone_writes_the_same_report(shell: Shell, folder: Path, tmp_path: Path):
     code, out, err = shell("reproduce")
     assert (code, err) == (0, "")
