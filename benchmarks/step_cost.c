@@ -38,16 +38,29 @@ static void move(double inputs[INPUT_COUNT + 1], int k)
 {
     const double omega = 18.85;
     double scale = 0.006;
+#ifdef CHOICE
+    static const double amplitudes[] = {AMPLITUDES};
+#endif
     for (int i = 0; i < INPUT_COUNT; ++i) {
+#ifdef CHOICE
+        scale = amplitudes[i];
+#endif
         inputs[i] = scale * sin(omega * (double)k * h + 1.5707963 * (double)i);
         scale *= omega;
     }
 }
 
+/* An enumeration that differs from its default: its field, value reference and value. AMPLITUDES are those of the
+ * inputs then, a list. */
+#ifdef CHOICE
+static const fmi2ValueReference choice[] = {CHOICE_REFERENCE};
+static const fmi2Integer choice_value[] = {CHOICE_VALUE};
+#endif
+
 static void kernel(double *sum)
 {
     static double inputs[STEPS][INPUT_COUNT + 1];
-    const ModelParameters parameters = {MODEL_DEFAULTS};
+    ModelParameters parameters = {MODEL_DEFAULTS};
     double times[ROUNDS], values[VARIABLE_COUNT] = {0.0};
     ModelCoefficients coefficients;
     ModelState state;
@@ -55,6 +68,9 @@ static void kernel(double *sum)
     for (int k = 0; k < STEPS; ++k) {
         move(inputs[k], k);
     }
+#ifdef CHOICE
+    parameters.CHOICE = CHOICE_VALUE;
+#endif
     if (model_prepare(&parameters, &coefficients) != NULL) {
         exit(1);
     }
@@ -74,6 +90,11 @@ static void kernel(double *sum)
         times[round] = (now() - begin) / STEPS;
     }
     report(times);
+#ifdef CHOICE_NORMAL
+    if (!(CHOICE_NORMAL)) { /* not what was to be measured */
+        exit(1);
+    }
+#endif
 }
 
 static void through_fmi(double *sum)
@@ -88,6 +109,11 @@ static void through_fmi(double *sum)
     for (int k = 0; k < STEPS; ++k) {
         move(inputs[k], k);
     }
+#ifdef CHOICE
+    if (fmi2SetInteger(fmu, choice, 1, choice_value) != fmi2OK) {
+        exit(1);
+    }
+#endif
     fmi2EnterInitializationMode(fmu);
     fmi2ExitInitializationMode(fmu);
     for (int round = 0; round < ROUNDS; ++round) {

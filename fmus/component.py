@@ -231,9 +231,10 @@ class Component:
 
     @cached_property
     def variables(self) -> tuple[VariableDeclaration, ...]:
-        """All variables; the position is the value reference, in every flavour."""
+        """All variables; the position is the value reference, in every flavour. Added ones stand at the end."""
         records = [self.inputs, self.outputs, self.parameters, *([self.constants] if self.constants else [])]
-        variables = (TIME, *(variable for record in records for variable in variables_of(record)))
+        declared = (TIME, *(variable for record in records for variable in variables_of(record)))
+        variables = tuple(sorted(declared, key=lambda variable: variable.added))
         names = [variable.name for variable in variables]
         if len(set(names)) != len(names):
             raise ValueError(f"component {self.name}: a variable name stands twice")

@@ -82,6 +82,8 @@ class VariableDeclaration:
     dependencies
         Names of the knowns that an output depends on during initialisation. After a step no output depends directly on
         an input, as the step has used the inputs already.
+    added
+        Whether the variable came later and stands after all others, whose value references stay.
     """
 
     name: str
@@ -97,6 +99,7 @@ class VariableDeclaration:
     maximum: float | None = None
     nominal: float | None = None
     dependencies: tuple[str, ...] = ()
+    added: bool = False
 
     def __post_init__(self) -> None:
         combination = (self.causality, self.variability, self.initial)
@@ -213,6 +216,7 @@ def output(
     discrete: bool = False,
     start: float = 0.0,
     dependencies: Sequence[str] = (),
+    added: bool = False,
 ) -> Any:
     """Declare an output, calculated by the model.
 
@@ -230,6 +234,8 @@ def output(
         Default of the dataclass field; not part of the model description.
     dependencies
         FMI names of the knowns that the value depends on during initialisation.
+    added
+        Whether the variable stands after all that are not added, so that their value references stay.
 
     Returns
     -------
@@ -245,6 +251,7 @@ def output(
         description=description,
         nominal=nominal,
         dependencies=tuple(dependencies),
+        added=added,
     )
 
 
@@ -256,6 +263,7 @@ def parameter(
     tunable: bool = False,
     minimum: float | None = None,
     maximum: float | None = None,
+    added: bool = False,
 ) -> Any:
     """Declare a parameter of a component.
 
@@ -271,6 +279,8 @@ def parameter(
         Whether it may change between steps.
     minimum, maximum
         Inclusive bounds, in the unit of ``start``.
+    added
+        As of :func:`output`.
 
     Returns
     -------
@@ -292,6 +302,7 @@ def parameter(
         description=description,
         minimum=minimum,
         maximum=maximum,
+        added=added,
     )
 
 

@@ -126,6 +126,37 @@ def control(on: bool) -> dict[str, Value]:
     return {"controller.enabled": on}
 
 
+_TOLD = {
+    "controller.actuator_time_constant": "seat.actuator.time_constant",
+    "controller.actuator_delay": "seat.actuator.delay",
+    "controller.travel": "seat.end_stop.travel",
+}
+"""Parameter of the controller's mode robust to what it is of the seat."""
+
+
+def mode(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the parameters of a control law.
+
+    Parameters
+    ----------
+    name
+        ``published`` or ``robust``. The latter gets the actuator and the travel of the seat as parameters.
+    parameters
+        Parameters of the run. What they say about the controller's model of the actuator stays.
+
+    Returns
+    -------
+    dict
+        ``component.variable`` to value.
+    """
+    known = {
+        parameter: parameters[source]
+        for parameter, source in _TOLD.items()
+        if name == "robust" and parameters.get(source) and parameter not in parameters
+    }
+    return {"controller.mode": name, **known}
+
+
 def gains(name_or_file: str) -> dict[str, Value]:
     """Return the controller's parameters of a set of gains.
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cosim.engine.dependencies import Graph, Node, loops, order_by_dependencies
-from cosim.errors import RunError
+from cosim.errors import RunError, listed
 from cosim.fmi.access import VariableMapping
 from cosim.fmi.isolated import AnyInstance
 from cosim.fmi.variable_types import KINDS
@@ -25,8 +25,6 @@ SETTLED = 1e-12
 
 SOLVED = 1e-9
 """Largest residual of a loop that is solved for, relative to the value or 1."""
-
-_MOST_LISTED = 8
 
 
 class Exchange(NamedTuple):
@@ -194,10 +192,7 @@ class Initialization:
     def _unsettled(self, before: np.ndarray[Any, Any], last: np.ndarray[Any, Any]) -> str:
         """Name the loop that does not settle, with the last two values of its outputs."""
         changing = [i for i in self._connected.tolist() if before[i] != last[i]]
-        values = ", ".join(
-            f"{self._names[i]} = {before[i]:.9g} and then {last[i]:.9g}" for i in changing[:_MOST_LISTED]
-        )
-        more = f" and {len(changing) - _MOST_LISTED} more" if len(changing) > _MOST_LISTED else ""
+        values = listed([f"{self._names[i]} = {before[i]:.9g} and then {last[i]:.9g}" for i in changing])
         loop = next(loops(self._graph), [])
         where = f"the loop {' -> '.join(map(str, loop))}" if loop else "FMUs that declare no loop"
-        return f"initial exchange: expected {where} to settle, got {values}{more}"
+        return f"initial exchange: expected {where} to settle, got {values}"

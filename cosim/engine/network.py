@@ -149,7 +149,10 @@ class Network:
             and not (causality == "output" and variable.causality == "calculatedParameter")
         ]
         if (fed := self.feeding(sink)) is not None:
-            problems.append(f"expected a free input, got one that {fed.source} feeds; free it first: disconnect {sink}")
+            problems.append(
+                f"expected a free input, got one that {fed.source} feeds; "
+                f"--disconnect {sink}, or System.disconnect, frees it"
+            )
         types = check_types(ends["output"][1], ends["input"][1])
         problems += types + self._shape_problems(source, sink)
         units = Compatibility()
@@ -278,6 +281,8 @@ class Network:
             If there is no such component, variable or element, with similar names.
         """
         model = self._model(ref)
+        if sizes is None and not model.structural:  # parameters of other components do not matter
+            return model.elements(ref.component, ref.variable, model.sizes())
         given = self.sizes({})[ref.component] if sizes is None else sizes[ref.component]
         return model.elements(ref.component, ref.variable, given)
 

@@ -133,6 +133,11 @@ class VariableAccess:
     def fill_buffer(self, table: np.ndarray[Any, Any]) -> int | None:
         """Fill the buffer of a setter from the table.
 
+        Parameters
+        ----------
+        table
+            The table of values, float64.
+
         Returns
         -------
         int or None
@@ -151,6 +156,11 @@ class VariableAccess:
     def empty_buffer(self, table: np.ndarray[Any, Any]) -> Iterable[int]:
         """Empty the buffer of a getter into the table.
 
+        Parameters
+        ----------
+        table
+            The table of values, float64.
+
         Returns
         -------
         iterable of int
@@ -166,7 +176,20 @@ class VariableAccess:
         return ()
 
     def problem(self, element: int, table: np.ndarray[Any, Any]) -> str:
-        """Describe a value that does not fit."""
+        """Describe a value that does not fit.
+
+        Parameters
+        ----------
+        element
+            Number of the element in this access.
+        table
+            The table of values, float64.
+
+        Returns
+        -------
+        str
+            Name, what was expected, and the value.
+        """
         if self.low is None or self.high is None:
             value = self.call.buffer[element]
             return f"{self.names[element]}: expected a whole number up to 2^53 either way, got {value}"

@@ -266,16 +266,48 @@ class ModelDescription:
 
         By FMI, a value that is read after doStep(t, h) is the value at t + h. An FMU whose description has the
         annotation :data:`cosim.fmi.repairs.SAMPLED` says that its discrete outputs are values at t.
+
+        Parameters
+        ----------
+        name
+            Name of an output.
+
+        Returns
+        -------
+        bool
+            Whether its values belong to the begin of the step.
         """
         return self.sampled and self.variables[name].variability != "continuous"
 
     def is_relative(self, variable: ModelVariable) -> bool:
-        """Whether a variable is a difference of two quantities, so that units convert it without an offset."""
+        """Whether a variable is a difference of two quantities, so that units convert it without an offset.
+
+        Parameters
+        ----------
+        variable
+            A variable of this FMU.
+
+        Returns
+        -------
+        bool
+            As it says itself; else as its declared type says.
+        """
         declared = variable.declaredType is not None and bool(variable.declaredType.relativeQuantity)
         return self.relative.get(owner(variable), declared)
 
     def unit(self, variable: ModelVariable) -> str | None:
-        """Return the name of a variable's unit, its type's unit where it has none of its own."""
+        """Return the name of a variable's unit, its type's unit where it has none of its own.
+
+        Parameters
+        ----------
+        variable
+            A variable of this FMU.
+
+        Returns
+        -------
+        str or None
+            None where neither has one.
+        """
         return variable.unit or (variable.declaredType.unit if variable.declaredType else None) or None
 
     @cached_property
@@ -366,6 +398,20 @@ class ModelDescription:
     def structural_value(self, component: str, name: str, given: Value) -> float:
         """Check the value of a structural parameter.
 
+        Parameters
+        ----------
+        component
+            Name of the component in messages.
+        name
+            Name of the structural parameter.
+        given
+            The value as a user gives it.
+
+        Returns
+        -------
+        float
+            The value; a whole number.
+
         Raises
         ------
         SetupError
@@ -386,6 +432,11 @@ class ModelDescription:
             Of a variable or an element.
         sizes
             From :meth:`sizes`.
+
+        Returns
+        -------
+        Elements
+            The elements of the variable, or the one of the name.
 
         Raises
         ------
@@ -415,6 +466,11 @@ class ModelDescription:
             From :meth:`elements`.
         given
             What the user gave.
+
+        Returns
+        -------
+        float, str or tuple of float
+            The value as the FMU takes it; a tuple for elements of an array.
 
         Raises
         ------
@@ -460,6 +516,11 @@ class ModelDescription:
             Place in the flattened array to value.
         sizes
             From :meth:`sizes`.
+
+        Returns
+        -------
+        tuple of float
+            The values of all elements, by rows.
 
         Raises
         ------

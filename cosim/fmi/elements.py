@@ -61,6 +61,18 @@ class Elements(NamedTuple):
 def element_names(variable: str, shape: tuple[int, ...]) -> list[str]:
     """Name the elements of a variable by its name and its shape; a scalar has one, of its own name.
 
+    Parameters
+    ----------
+    variable
+        Name of the variable.
+    shape
+        Its shape.
+
+    Returns
+    -------
+    list of str
+        In row-major order.
+
     Examples
     --------
     >>> element_names("y", (2, 2))
@@ -87,6 +99,11 @@ def sizes_problems(variables: Iterable[ModelVariable], sizes: Mapping[int, int])
         Of an FMU.
     sizes
         Value reference of each structural parameter to its value.
+
+    Returns
+    -------
+    list of str
+        One line for each problem.
     """
     problems, total = [], 0
     for variable in variables:

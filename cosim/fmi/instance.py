@@ -231,11 +231,37 @@ class Instance(ABC):
         return RunError(f"{self.name}: {call} failed at t = {time:g} s{status}: {reason}")
 
     def termination_requested(self, call: str, reached: float) -> RunError:
-        """Describe an FMU that requests the end of the run in a call, having reached a time in s."""
+        """Describe an FMU that requests the end of the run in a call, having reached a time in s.
+
+        Parameters
+        ----------
+        call
+            Name of the function that was called.
+        reached
+            Time that the FMU reached, in s.
+
+        Returns
+        -------
+        RunError
+            The error; it is not raised here.
+        """
         return RunError(f"{self.name}: {call} asked to end the run at t = {reached:g} s")
 
     def returned_early(self, call: str, reached: float) -> RunError:
-        """Describe an FMU that did not finish its step, though it was not allowed to return early."""
+        """Describe an FMU that did not finish its step, though it was not allowed to return early.
+
+        Parameters
+        ----------
+        call
+            Name of the function that was called.
+        reached
+            Time that the FMU reached, in s.
+
+        Returns
+        -------
+        RunError
+            The error; it is not raised here.
+        """
         return RunError(f"{self.name}: {call} returned early, at t = {reached:g} s")
 
     @property
@@ -387,11 +413,35 @@ class Instance(ABC):
             self._get_into_table(access)
 
     def unfit(self, access: VariableAccess, element: int, time: float) -> RunError:
-        """Describe a value for an element of an access that does not fit its type, at a time in s."""
+        """Describe a value for an element of an access that does not fit its type, at a time in s.
+
+        Parameters
+        ----------
+        access
+            The access whose value it is.
+        element
+            Number of the element in the access.
+        time
+            Simulated time in s.
+
+        Returns
+        -------
+        RunError
+            The error; it is not raised here.
+        """
         return RunError(f"{access.problem(element, self._values)} at t = {time:g} s")
 
     def inexact(self, access: VariableAccess, element: int, time: float) -> None:
         """Refuse a value that is not exact in the table where it is connected, note it where it is recorded only.
+
+        Parameters
+        ----------
+        access
+            The access whose value it is.
+        element
+            Number of the element in the access.
+        time
+            Simulated time in s.
 
         Raises
         ------
@@ -473,7 +523,15 @@ class Instance(ABC):
         self._running = True
 
     def step(self, time: float, step_size: float) -> None:
-        """Set inputs, step from ``time`` by ``step_size`` (both in s), get outputs."""
+        """Set inputs, step from ``time`` by ``step_size`` (both in s), get outputs.
+
+        Parameters
+        ----------
+        time
+            Begin of the step in s.
+        step_size
+            Its size in s.
+        """
         self.set_inputs(time)
         self.do_step(time, step_size)
         self.get_outputs(time)

@@ -143,15 +143,56 @@ class IsolatedInstance:
         return self._process.end(grace)
 
     def calling(self, call: str, time: float = 0.0) -> AbstractContextManager[None]:
-        """Do nothing: the process turns exceptions into a :class:`RunError` that names the call."""
+        """Do nothing: the process turns exceptions into a :class:`RunError` that names the call.
+
+        Parameters
+        ----------
+        call
+            Name of the call.
+        time
+            Simulated time in s.
+
+        Returns
+        -------
+        context manager
+            Does nothing.
+        """
         return nullcontext()
 
     def collect_stdout(self, call: str, time: float) -> bool:
-        """Do nothing: the process collects what is printed in it."""
+        """Do nothing: the process collects what is printed in it.
+
+        Parameters
+        ----------
+        call
+            Name of the call.
+        time
+            Simulated time in s.
+
+        Returns
+        -------
+        bool
+            Always false.
+        """
         return False
 
     def failure(self, error: Exception, call: str, time: float = 0.0) -> RunError:
-        """Describe a failed call; the process has described its own failures already."""
+        """Describe a failed call; the process has described its own failures already.
+
+        Parameters
+        ----------
+        error
+            The exception of the call.
+        call
+            Name of the call.
+        time
+            Simulated time in s.
+
+        Returns
+        -------
+        RunError
+            The error; it is not raised here.
+        """
         return error if isinstance(error, RunError) else self._failed(call, time, str(error))
 
     # ---- variables ---------------------------------------------------------------------------------------------------
@@ -261,7 +302,15 @@ class IsolatedInstance:
         self._fresh, self._noted = True, False
 
     def step(self, time: float, step_size: float) -> None:
-        """Set inputs, step from ``time`` by ``step_size`` (both in s), get outputs."""
+        """Set inputs, step from ``time`` by ``step_size`` (both in s), get outputs.
+
+        Parameters
+        ----------
+        time
+            Begin of the step in s.
+        step_size
+            Its size in s.
+        """
         self.set_inputs(time)
         self.do_step(time, step_size)
         self.get_outputs(time)

@@ -93,8 +93,8 @@ def parameter_set(
         for variable, typed_value in _typed_values(structure, ref, value, sizes).items():
             if typed_value.kind == "Real" and unit is not None:
                 typed_value, units[unit.name] = replace(typed_value, unit=unit.name), unit
-            name, source = str(ref._replace(variable=variable)), (sources or {}).get(key)
-            written.append(ssv.Parameter(name=name, description=source, typed_value=typed_value))
+            element, source = str(ref._replace(variable=variable)), (sources or {}).get(key)
+            written.append(ssv.Parameter(name=element, description=source, typed_value=typed_value))
     return write_document(
         ssv.ParameterSet(
             version=ssv.VERSION,
@@ -132,8 +132,12 @@ def _units(structure: Structure) -> dict[str, Unit]:
 
 
 def _connectable(model: ModelDescription) -> list[ModelVariable]:
-    """Return the variables that get a connector: all inputs and outputs of types that SSP has."""
-    return [v for v in model.variables.values() if v.causality in ("input", "output") and KINDS[v.type] in ssv.KINDS]
+    """Return the variables that get a connector: all inputs and outputs of types that SSP has, but for enumerations.
+
+    An enumeration's connector would have no type, as its items are not described; libcosim refuses such a file.
+    """
+    kinds = set(ssv.KINDS) - {"Enumeration"}
+    return [v for v in model.variables.values() if v.causality in ("input", "output") and KINDS[v.type] in kinds]
 
 
 def _connectors(structure: Structure, component: str) -> dict[str, ModelVariable]:

@@ -13,7 +13,7 @@ from fmus.export.fmu_file import BuildError
 
 
 class Compiler(NamedTuple):
-    """A C compiler.
+    """A C compiler that builds the libraries.
 
     Attributes
     ----------

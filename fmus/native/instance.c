@@ -290,6 +290,23 @@ static Status check_finite(const Instance *instance, const char *function, Statu
     return STATUS_OK;
 }
 
+/* Check that the outputs in a table of values are finite. */
+static Status check_outputs(const Instance *instance, const char *function, Status failure, const double values[])
+{
+    if (check_finite(instance, function, failure, values, FIRST_OUTPUT, OUTPUT_COUNT) != STATUS_OK ||
+        check_finite(instance, function, failure, values, FIRST_ADDED_OUTPUT, ADDED_OUTPUT_COUNT) != STATUS_OK) {
+        return failure;
+    }
+    return STATUS_OK;
+}
+
+/* Take over the outputs in a table of values. */
+static void take_outputs(Instance *instance, const double values[])
+{
+    memcpy(instance->values + FIRST_OUTPUT, values + FIRST_OUTPUT, OUTPUT_COUNT * sizeof *values);
+    memcpy(instance->values + FIRST_ADDED_OUTPUT, values + FIRST_ADDED_OUTPUT, ADDED_OUTPUT_COUNT * sizeof *values);
+}
+
 /* Compute state and outputs at the start from the present inputs and parameters. Where this is impossible, returns
  * `failure` and changes nothing. */
 static Status initialize(Instance *instance, const char *function, Status failure)
@@ -304,11 +321,11 @@ static Status initialize(Instance *instance, const char *function, Status failur
     double values[VARIABLE_COUNT];
     model_initialize(&state, &inputs, &instance->coefficients, instance->values[0], &outputs);
     model_store_outputs(&outputs, values);
-    if (check_finite(instance, function, failure, values, FIRST_OUTPUT, OUTPUT_COUNT) != STATUS_OK) {
+    if (check_outputs(instance, function, failure, values) != STATUS_OK) {
         return failure;
     }
     memcpy(&instance->state, &state, sizeof state);
-    memcpy(instance->values + FIRST_OUTPUT, values + FIRST_OUTPUT, OUTPUT_COUNT * sizeof *values);
+    take_outputs(instance, values);
     instance->outputs_due = false;
     examine_parameters(instance);
     return STATUS_OK;
@@ -363,12 +380,12 @@ Status instance_step(Instance *instance, const char *function, double time, doub
     model_copy(&before, &instance->state, tail);
     model_advance(&instance->state, &inputs, &instance->coefficients, time, step_size, &outputs);
     model_store_outputs(&outputs, values);
-    if (check_finite(instance, function, STATUS_ERROR, values, FIRST_OUTPUT, OUTPUT_COUNT) != STATUS_OK) {
+    if (check_outputs(instance, function, STATUS_ERROR, values) != STATUS_OK) {
         memset(&instance->state, 0, sizeof instance->state);
         model_copy(&instance->state, &before, tail);
         return STATUS_ERROR;
     }
-    memcpy(instance->values + FIRST_OUTPUT, values + FIRST_OUTPUT, OUTPUT_COUNT * sizeof *values);
+    take_outputs(instance, values);
     instance->values[0] = time + step_size;
     examine_parameters(instance);
     return STATUS_OK;

@@ -59,8 +59,8 @@ class ComponentSlave(Fmi2Slave):
         self.guid = self.content_guid
         self._variables = self.component.variables
         self._values: list[Any] = [0.0 if v.start is None else v.start for v in self._variables]
-        self._slices = {causality: self._slice(causality) for causality in ("input", "output", "parameter")}
-        self._output_values = attrgetter(*(v.field for v in self._variables[self._slices["output"]]))
+        self._references = {causality: self._references_of(causality) for causality in ("input", "output", "parameter")}
+        self._output_values = attrgetter(*(self._variables[i].field for i in self._references["output"]))
         self._phase = "instantiated"
         self._time = 0.0
         self._stop_time = math.inf
@@ -70,9 +70,16 @@ class ComponentSlave(Fmi2Slave):
         self._faults: dict[str, str] = {}
         self._warned: list[str] = []
 
-    def _slice(self, causality: str) -> slice:
-        positions = [i for i, v in enumerate(self._variables) if v.causality == causality]
-        return slice(positions[0], positions[-1] + 1) if positions else slice(0, 0)
+    def _references_of(self, causality: str) -> list[int]:
+        return [i for i, v in enumerate(self._variables) if v.causality == causality]
+
+    def _values_of(self, causality: str, values: Sequence[Any]) -> list[Any]:
+        """Return the values of the variables of a causality, from those of all."""
+        return [values[i] for i in self._references[causality]]
+
+    def _set_outputs(self, values: Sequence[Any]) -> None:
+        for reference, value in zip(self._references["output"], values, strict=True):
+            self._values[reference] = value
 
     # ---- description -------------------------------------------------------------------------------------------------
 
@@ -345,14 +352,14 @@ class ComponentSlave(Fmi2Slave):
         return None
 
     def _parameters(self, values: Sequence[Any]) -> Any:
-        return self.component.parameters(*(self._resolve_path(value) for value in values[self._slices["parameter"]]))
+        return self.component.parameters(*(self._resolve_path(value) for value in self._values_of("parameter", values)))
 
     def _resolve_path(self, value: Any) -> Any:
         """Return the whole path of a file, which is relative to the resources of the FMU; other values stay."""
         return str(Path(self.resources, value)) if isinstance(value, str) else value
 
     def _inputs(self) -> Any:
-        return self.component.inputs(*self._values[self._slices["input"]])
+        return self.component.inputs(*self._values_of("input", self._values))
 
     def _initialize(self) -> str | None:
         """Compute state and outputs at the start; return what prevents it, or None."""
@@ -366,13 +373,13 @@ class ComponentSlave(Fmi2Slave):
         if problem := self._not_finite(values):
             return problem
         self._state = state
-        self._values[self._slices["output"]] = values
+        self._set_outputs(values)
         self._outputs_due = False
         return None
 
     def _not_finite(self, outputs: Sequence[float]) -> str | None:
         """Return which output is not a finite number, or None."""
-        for variable, value in zip(self._variables[self._slices["output"]], outputs, strict=True):
+        for variable, value in zip(self._values_of("output", self._variables), outputs, strict=True):
             if not math.isfinite(value):
                 return f"{variable.name}: expected a finite number, got {value} at t = {self._time} s"
         return None
@@ -425,7 +432,7 @@ class ComponentSlave(Fmi2Slave):
         if problem := self._not_finite(values):
             return self._refuse_step(current_time, problem)
         self._state = state
-        self._values[self._slices["output"]] = values
+        self._set_outputs(values)
         self._time = self._values[0] = current_time + step_size
         return True
 
@@ -467,7 +474,7 @@ class ComponentSlave(Fmi2Slave):
             known = not any(
                 v.problem(x) for v, x in zip(self._variables, values, strict=True) if v.causality != "output"
             )
-            calculated = all(math.isfinite(x) for x in values[self._slices["output"]])
+            calculated = all(math.isfinite(x) for x in self._values_of("output", values))
             time, texts = float(state["time"]), [*state["faults"].values(), *state["faults"], *state["warned"]]
             plain = isinstance(state["outputs_due"], bool) and all(isinstance(text, str) for text in texts)
             return bool(

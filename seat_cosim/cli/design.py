@@ -23,6 +23,14 @@ _OBSERVER_OPTIONS = ("observer_gamma", "observer_rate", "observer_gains")
 
 
 @click.command()
+@click.option(
+    "--mode",
+    type=click.Choice(["published", "robust"]),
+    default="published",
+    show_default=True,
+    help="robust: certify the sampled loop of the mode robust; design nothing.",
+)
+@click.option("--set", "settings", multiple=True, metavar="X=VALUE", help="Parameter of the controller, mode robust.")
 @click.option("--gains", "given", metavar="NAME|FILE", help="Certify a preset or a gains.json; design nothing.")
 @click.option("--objective", type=click.Choice(OBJECTIVES), default=OBJECTIVES[0], show_default=True)
 @click.option("--lambda", "level", type=float, help="H-infinity level lambda [default: 1.2, the paper's].")
@@ -54,7 +62,9 @@ _OBSERVER_OPTIONS = ("observer_gamma", "observer_rate", "observer_gains")
     help="Survey observer and state feedback [default: with --output, designs only].",
 )
 @click.option("--output", type=click.Path(path_type=Path), help="Folder for gains.json, gains.ssv and figures.")
-def design(given: str | None, output: Path | None, pareto: bool | None, **request: Any) -> None:
+def design(
+    mode: str, settings: tuple[str, ...], given: str | None, output: Path | None, pareto: bool | None, **request: Any
+) -> None:
     """Design gains by the paper's LMIs, or certify given ones.
 
     \b
@@ -62,9 +72,16 @@ def design(given: str | None, output: Path | None, pareto: bool | None, **reques
       seat-cosim design --gains published
       seat-cosim design --driver-mass-max 120 --observer-gains -4000 -3500 --output results/design
       seat-cosim run bump --gains results/design/gains.json
+      seat-cosim design --mode robust --set actuator_time_constant=0.005
     """
     from seat_cosim.gain_design import DesignRequest, certified_gains, write_design
 
+    if mode == "robust":
+        refuse_without_effect(["given", "pareto", *request], "--mode robust", "its gains are parameters of the mode")
+        _certify_robust(settings, output)
+        return
+    if settings:
+        raise SetupError(f"design: expected --set with --mode robust only, got {settings[0]}")
     if given is None:
         _check_observer(request)
     else:
@@ -145,3 +162,30 @@ def _print_certificate(certificate: Certificate, setting: Setting) -> None:
         table.add_column(f"{mass:g}", justify="right")
     table.add_row("margin (ms)", *(f"{margins[mass]:.0f}" for mass in shown))
     console.print(table)
+
+
+def _certify_robust(settings: tuple[str, ...], output: Path | None) -> None:
+    """Certify the sampled loop of the mode robust, print it, and write it to a folder."""
+    from seat_cosim.robust_certificate import certify_robust, write_certificate
+
+    with progress_shown("design") as report:
+        report("certifying")
+        parameters, certificate = certify_robust(settings)
+    lag, delay = parameters.actuator_time_constant * 1e3, parameters.actuator_delay * 1e3
+    console.print(f"Mode robust, actuator with a lag of {lag:g} ms and a delay of {delay:g} ms. Drivers in kg.\n")
+    tables = (
+        ("Extra delay the sampled loop survives (ms)", certificate.delay_margin_ms, ".0f"),
+        ("Largest gain from floor to driver, 0.03-50 Hz", certificate.worst_case_gain, ".2f"),
+    )
+    for title, values, form in tables:
+        table = Table(title=title, title_justify="left", box=SIMPLE)
+        table.add_column("case")
+        for mass in next(iter(values.values())):
+            table.add_column(f"{mass:g}", justify="right")
+        for case, row in values.items():
+            table.add_row(case, *(f"{value:{form}}" for value in row.values()))
+        console.print(table)
+    if output is not None:
+        console.print(f"{write_certificate(parameters, certificate, output)} in {output}")
+    if certificate.problems:
+        raise RunError("; ".join(certificate.problems))

@@ -36,7 +36,7 @@ _DEFAULT = seat_signals()
 @click.option("--seeds", metavar="N,N", help="A run each [default: 1,2,3].")
 @click.option("--duration", type=float, metavar="S", help="Evaluated of each run [default: 180].")
 @click.option("--settle", "--warm-up", "warm_up", type=float, metavar="S", help="Left out before it [default: 10].")
-@seat_options("gains", "observer", "control", "parameter_files", "settings")
+@seat_options("mode", "gains", "observer", "control", "parameter_files", "settings")
 @replace_option
 @click.option(
     "--seat-signal",
@@ -94,6 +94,7 @@ def evaluate(
     Examples:
       seat-cosim evaluate
       seat-cosim evaluate --observer 2 --classes EM1,EM3 --masses 55,100
+      seat-cosim evaluate --mode robust --set seat.actuator.time_constant=0.005
       seat-cosim evaluate --replace controller=Skyhook.fmu
       seat-cosim evaluate Chair.ssp --seat-signal chair.acc --driver-mass-parameter chair.load
     """

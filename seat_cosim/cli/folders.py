@@ -1,4 +1,4 @@
-"""Folders of results: a run never overwrites one of another kind without ``--force``."""
+"""Folders of results: a run overwrites one of another kind only with ``--force``."""
 
 from __future__ import annotations
 

@@ -56,7 +56,20 @@ class LazyGroup(click.Group):
         return sorted(self._modules)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Load a command; None where there is none of the name."""
+        """Load a command; None where there is none of the name.
+
+        Parameters
+        ----------
+        ctx
+            Context of the group.
+        cmd_name
+            Name of the command.
+
+        Returns
+        -------
+        click.Command or None
+            The command, with its module loaded.
+        """
         if cmd_name not in self._modules:
             return None
         module, function = self._modules[cmd_name]
@@ -66,7 +79,15 @@ class LazyGroup(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the list of commands, with the first sentence of each one's help as its source has it."""
+        """Write the list of commands, with the first sentence of each one's help as its source has it.
+
+        Parameters
+        ----------
+        ctx
+            Context of the group.
+        formatter
+            Formatter of the help text.
+        """
         names = self.list_commands(ctx)
         limit = formatter.width - 6 - max(map(len, names))
         rows = [(name, click.Command(name, help=self._help(name)).get_short_help_str(limit)) for name in names]

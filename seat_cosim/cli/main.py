@@ -71,7 +71,7 @@ def _run() -> int:
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
     try:
-        with _debug_messages_printed() if debug else nullcontext():
+        with _debug_messages() if debug else nullcontext():
             app.main(arguments, standalone_mode=False)
         sys.stdout.flush()
     except BrokenPipeError:
@@ -87,7 +87,7 @@ def _run() -> int:
 
 
 @contextmanager
-def _debug_messages_printed() -> Iterator[None]:
+def _debug_messages() -> Iterator[None]:
     """Print what this package logs, for example which FMUs were chosen, to standard error."""
     log, handler = logging.getLogger("seat_cosim"), logging.StreamHandler()
     level = log.level

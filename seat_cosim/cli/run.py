@@ -63,6 +63,7 @@ def run(
     Examples:
       seat-cosim run bump --driver-mass 70 --observer 2
       seat-cosim run bump --driver-mass 110 --gains recommended
+      seat-cosim run random --mode robust --set seat.actuator.time_constant=0.005
       seat-cosim run sine --set shaker.sine.frequency=2 --control off --output results/sine2
       seat-cosim run random --set shaker.random.class=EM5 --set shaker.random.seed=7
       seat-cosim run random --parameters ride --control passive

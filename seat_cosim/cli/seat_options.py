@@ -28,6 +28,11 @@ OPTIONS: dict[str, Callable[[Any], Any]] = {
         metavar="KG",
         help="The driver's mass, for seat and controller alike [default: 55].",
     ),
+    "mode": click.option(
+        "--mode",
+        type=click.Choice(["published", "robust"]),
+        help="Control law; robust knows the seat's actuator and travel [default: published].",
+    ),
     "gains": click.option(
         "--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json."
     ),
@@ -68,6 +73,8 @@ class SeatOptions:
         :func:`seat_cosim.carried.fmu_folder`.
     parameter_files
         Parameter sets, by name or file.
+    mode
+        ``published`` or ``robust``.
     gains
         Preset or file.
     observer
@@ -83,6 +90,7 @@ class SeatOptions:
     flavour: str
     fmus_folder: Path | None
     parameter_files: tuple[str, ...] = ()
+    mode: str | None = None
     gains: str | None = None
     observer: str | None = None
     control: str | None = None
@@ -96,7 +104,7 @@ class SeatOptions:
     def parameters(self, system: Structure) -> dict[str, Value]:
         """Return the parameters that the options set.
 
-        Later ones win: parameter sets, gains, observer, control, driver's mass, single parameters.
+        Later ones win: mode, parameter sets, gains, observer, control, driver's mass, single parameters.
 
         Parameters
         ----------
@@ -125,6 +133,8 @@ class SeatOptions:
         if self.driver_mass is not None:
             found |= scenarios.driver_mass(self.driver_mass)
         found |= with_user_paths(settings(self.settings, system), system)
+        if self.mode is not None:
+            found = scenarios.mode(self.mode, found) | found
         return found
 
     def check(self) -> None:
@@ -138,12 +148,18 @@ class SeatOptions:
         if self.gains:
             refuse_without_effect(["observer"], f"--gains {self.gains}", "gains have an observer of their own")
         if self.control in ("off", "passive"):
-            refuse_without_effect(["gains", "observer"], f"--control {self.control}", "the controller gives no force")
+            refuse_without_effect(
+                ["mode", "gains", "observer"], f"--control {self.control}", "the controller gives no force"
+            )
+        if self.mode == "robust":
+            refuse_without_effect(
+                ["gains", "observer"], "--mode robust", "the mode has a law and an observer of its own"
+            )
 
     @property
     def choices(self) -> list[str]:
         """Names of what was chosen, for a title."""
-        named = {"gains": self.gains, "Observer": self.observer, "control": self.control}
+        named = {"mode": self.mode, "gains": self.gains, "Observer": self.observer, "control": self.control}
         found = [f"{name} {choice}" for name, choice in named.items() if choice]
         return found + [Path(file).stem for file in self.parameter_files]
 

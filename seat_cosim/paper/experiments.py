@@ -28,7 +28,7 @@ EXPERIMENTS: dict[str, Callable[[ExperimentRunner], Iterator[Finding]]] = {
 """Name of an experiment to the function that makes its findings."""
 
 
-_KEYS: dict[str, tuple[str, ...]] = {
+KEYS: dict[str, tuple[str, ...]] = {
     "parameters": ("table1",),
     "simulated bump": ("fig05", "fig06", "fig07"),
     "simulated transmissibility": ("fig08",),
@@ -40,7 +40,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
 }
 """Name of an experiment to the entries that it makes."""
 
-_EXPERIMENT_OF = {key: name for name, keys in _KEYS.items() for key in keys}
+_EXPERIMENT_OF = {key: name for name, keys in KEYS.items() for key in keys}
 
 
 def finding(runner: ExperimentRunner, key: str) -> Finding:

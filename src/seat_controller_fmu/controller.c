@@ -93,7 +93,8 @@ const char *seat_controller_prepare(const seat_controller_parameters *parameters
     c->enabled = p->enabled;
     c->anti_windup = p->anti_windup;
     c->sample_time = (double)h;
-    return NULL;
+    c->is_robust = p->mode == SEAT_CONTROLLER_ROBUST;
+    return robust_prepare(p, &c->robust);
 }
 
 const char *seat_controller_warning(const seat_controller_parameters *parameters)
@@ -117,11 +118,37 @@ static void held_outputs(const seat_controller_state *state, const seat_controll
     outputs->disturbance_estimate = state->estimate;
     outputs->deflection_rate = state->rate;
     outputs->saturated = state->demand > state->force || state->demand < state->force;
+    outputs->fault = (int)state->robust.faults.fault;
+    const estimator_state *estimates = &state->robust.estimator;
+    const estimator_coefficients *nominal = &c->robust.estimator;
+    outputs->driver_mass_estimate = c->is_robust ? estimates->mass : nominal->nominal_mass;
+    outputs->friction_estimate = c->is_robust ? estimates->friction : nominal->nominal_friction;
+    outputs->driver_mass_trusted = estimates->mass_trusted;
+    outputs->friction_trusted = estimates->friction_trusted;
 }
 
-/* Take one sample. */
-static void sample(seat_controller_state *state, const seat_controller_inputs *inputs,
-                   const seat_controller_coefficients *c)
+/* Take one sample of the mode robust. A measurement that is not finite changes the fault alone. */
+static void robust_sample_step(seat_controller_state *state, const seat_controller_inputs *inputs,
+                               const seat_controller_coefficients *c)
+{
+    const real given = inputs->suspension_deflection;
+    const real previous = state->started ? state->deflection : given - given < REAL(1.0) ? given : REAL(0.0);
+    const real delta = given - given < REAL(1.0) ? given : previous;
+    const real v = c->rate_decay * state->rate + c->rate_gain * (delta - previous);
+    const robust_sample measured = {inputs->seat_acceleration, given, previous, v, state->force, c->enabled};
+    real demand, force;
+    robust_step(&state->robust, &measured, &c->robust, &demand, &force);
+    state->started = true;
+    state->deflection = flush_subnormal(delta);
+    state->rate = flush_subnormal(v);
+    state->demand = flush_subnormal(demand);
+    state->force = flush_subnormal(force);
+    state->estimate = state->robust.active ? state->robust.estimate : REAL(0.0);
+}
+
+/* Take one sample of the published law. */
+static void published_sample(seat_controller_state *state, const seat_controller_inputs *inputs,
+                             const seat_controller_coefficients *c)
 {
     const real delta = inputs->suspension_deflection;
     const real previous = state->started ? state->deflection : delta;
@@ -142,16 +169,29 @@ static void sample(seat_controller_state *state, const seat_controller_inputs *i
     state->estimate = flush_subnormal(F_hat);
 }
 
+/* Take one sample. */
+static void sample(seat_controller_state *state, const seat_controller_inputs *inputs,
+                   const seat_controller_coefficients *c)
+{
+    if (c->is_robust) {
+        robust_sample_step(state, inputs, c);
+    } else {
+        published_sample(state, inputs, c);
+    }
+}
+
 int seat_controller_is_valid_state(const seat_controller_state *state, const seat_controller_parameters *parameters,
                                    double time)
 {
-    return fabs(state->next_sample * (double)parameters->sample_time - time) <= clock_tolerance;
+    return fabs(state->next_sample * (double)parameters->sample_time - time) <= clock_tolerance &&
+           robust_is_valid_state(&state->robust, parameters);
 }
 
-void seat_controller_start(seat_controller_state *state)
+void seat_controller_start(seat_controller_state *state, const seat_controller_coefficients *coefficients)
 {
     const seat_controller_state before_the_first = {0};
     *state = before_the_first;
+    robust_start(&state->robust, &coefficients->robust);
 }
 
 void seat_controller_step(seat_controller_state *state, const seat_controller_inputs *inputs,
@@ -165,11 +205,10 @@ void seat_controller_initialize(seat_controller_state *state, const seat_control
                                 const seat_controller_coefficients *coefficients, double time,
                                 seat_controller_outputs *outputs)
 {
-    const seat_controller_outputs zero = {0};
     (void)inputs; /* no sample is taken */
-    seat_controller_start(state);
+    seat_controller_start(state, coefficients);
     state->next_sample = ceil(time / coefficients->sample_time - sample_tolerance);
-    *outputs = zero;
+    held_outputs(state, coefficients, outputs);
 }
 
 void seat_controller_advance(seat_controller_state *state, const seat_controller_inputs *inputs,

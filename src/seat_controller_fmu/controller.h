@@ -1,8 +1,8 @@
 /* The sampled controller in C99, the C twin of controller.py with the same arithmetic operations.
  *
- * This header and controller.c need no other file: no allocation, no globals, no recursion, no input or output; all
- * memory belongs to the caller and has a fixed size. Symbols and equation numbers are those of the paper, see
- * NOMENCLATURE.md; the equations are in controller.c. Up is positive, times are in s.
+ * This header, those that it includes and the C files of the same names need no other file: no allocation, no globals,
+ * no recursion, no input or output; all memory belongs to the caller and has a fixed size. Symbols and equation numbers
+ * are those of the paper, see NOMENCLATURE.md; the equations are in controller.c. Up is positive, times are in s.
  *
  * Use: fill the parameters, call seat_controller_prepare() once (and again after a change), seat_controller_start(),
  * then seat_controller_step() every sample_time.
@@ -10,51 +10,8 @@
 #ifndef SEAT_CONTROLLER_H
 #define SEAT_CONTROLLER_H
 
-#include <stdbool.h>
-
-/* Type of all signals: compile with -DSEAT_CONTROLLER_REAL=float for single precision. */
-#ifndef SEAT_CONTROLLER_REAL
-#define SEAT_CONTROLLER_REAL double
-#endif
-typedef SEAT_CONTROLLER_REAL seat_controller_real;
-
-/* Measurements of the two sensors. */
-typedef struct {
-    seat_controller_real seat_acceleration;     /* Y_2 = z_s'' in m/s2, up positive */
-    seat_controller_real suspension_deflection; /* delta = z_s - z_v in m */
-} seat_controller_inputs;
-
-/* Outputs after the last sample. */
-typedef struct {
-    seat_controller_real force;                /* u_sat (6) in N, to the actuator, up positive */
-    seat_controller_real force_demand;         /* u (24) in N */
-    seat_controller_real motor_torque;         /* T (33) in N.m, radicand clamped at 0 */
-    seat_controller_real disturbance_estimate; /* F_hat (21) in N */
-    seat_controller_real deflection_rate;      /* v in m/s, filtered */
-    bool saturated;                            /* whether the force is limited */
-} seat_controller_outputs;
-
-typedef struct {
-    seat_controller_real driver_mass;          /* m_b in kg */
-    bool anti_windup;                          /* feed the observer u_sat instead of u */
-    bool enabled;                              /* false: u = F_hat = 0, the rate filter continues */
-    seat_controller_real force_limit;          /* u_lim in N */
-    seat_controller_real observer_gamma;       /* Gamma in s/kg2, below 0 */
-    seat_controller_real L1, L2;               /* observer gains in kg/s; 0: from Gamma by (23) */
-    seat_controller_real rate_filter_cutoff;   /* f_c in Hz */
-    seat_controller_real seat_mass;            /* m_s in kg */
-    seat_controller_real suspension_stiffness; /* k_f in N/m */
-    seat_controller_real driver_mass_min;      /* m_bmin in kg */
-    seat_controller_real driver_mass_max;      /* m_bmax in kg */
-    seat_controller_real K1_deflection;        /* K_1 in N/m */
-    seat_controller_real K1_rate;              /* K_1 in N.s/m */
-    seat_controller_real K2_deflection;        /* K_2 in N/m */
-    seat_controller_real K2_rate;              /* K_2 in N.s/m */
-    seat_controller_real link_length;          /* L in m */
-    seat_controller_real initial_height;       /* h_0 in m */
-    seat_controller_real gear_ratio;           /* r_g */
-    seat_controller_real sample_time;          /* h in s */
-} seat_controller_parameters;
+#include "interface.h"
+#include "robust.h"
 
 /* State after the last sample. */
 typedef struct {
@@ -63,6 +20,7 @@ typedef struct {
     seat_controller_real deflection;              /* delta in m */
     seat_controller_real rate;                    /* v in m/s */
     seat_controller_real demand, force, estimate; /* u, u_sat and F_hat in N */
+    robust_state robust;                          /* of the mode robust */
 } seat_controller_state;
 
 /* Factors of the sampled equations, derived from the parameters. */
@@ -80,6 +38,8 @@ typedef struct {
     seat_controller_real torque_gain;           /* 1/(2 r_g) */
     bool enabled, anti_windup;
     double sample_time; /* h in s */
+    bool is_robust;     /* whether the mode is robust */
+    robust_coefficients robust;
 } seat_controller_coefficients;
 
 /* Derive the coefficients. Returns NULL, or a message about the parameters in terms of their names. */
@@ -90,7 +50,7 @@ const char *seat_controller_prepare(const seat_controller_parameters *parameters
 const char *seat_controller_warning(const seat_controller_parameters *parameters);
 
 /* Set the state before the first sample; no sample is taken. */
-void seat_controller_start(seat_controller_state *state);
+void seat_controller_start(seat_controller_state *state, const seat_controller_coefficients *coefficients);
 
 /* Take one sample; must be called every h with new measurements. */
 void seat_controller_step(seat_controller_state *state, const seat_controller_inputs *inputs,

@@ -21,9 +21,11 @@ from typing import NamedTuple
 
 from fmus.component import CLOCK_TOLERANCE, Component, ParameterError
 from fmus.subnormal import flush_subnormal
+from seat_controller_fmu import robust
 from seat_controller_fmu.fuzzy import MassRange, observer_gain
-from seat_controller_fmu.interface import TERMINALS, Constants, Inputs, Outputs, Parameters
+from seat_controller_fmu.interface import TERMINALS, Constants, Fault, Inputs, Mode, Outputs, Parameters
 from seat_controller_fmu.parameters import SAMPLE_TIME
+from seat_controller_fmu.robust import RobustCoefficients, RobustState
 
 SAMPLE_TOLERANCE = 1e-3
 """A sample is due if its time is reached within this share of the sample time: hosts accumulate rounding errors."""
@@ -44,6 +46,8 @@ class State(NamedTuple):
         v of the last sample, in m/s.
     demand, force, estimate
         u, u_sat and F_hat of the last sample, in N.
+    robust
+        State of the mode robust.
     """
 
     next_sample: int
@@ -53,6 +57,7 @@ class State(NamedTuple):
     demand: float
     force: float
     estimate: float
+    robust: RobustState
 
 
 class Coefficients(NamedTuple):
@@ -72,6 +77,10 @@ class Coefficients(NamedTuple):
         L^2 in m^2, h_0 in m, 1/(2 r_g).
     enabled, anti_windup
         As the parameters.
+    is_robust
+        Whether the mode is robust.
+    robust
+        Coefficients of the mode robust.
     """
 
     rate_decay: float
@@ -87,6 +96,8 @@ class Coefficients(NamedTuple):
     torque_gain: float
     enabled: bool
     anti_windup: bool
+    is_robust: bool
+    robust: RobustCoefficients
 
 
 def mass_range(parameters: Parameters) -> MassRange:
@@ -179,6 +190,8 @@ def prepare(parameters: Parameters) -> Coefficients:
         torque_gain=1.0 / (2.0 * p.gear_ratio),
         enabled=bool(p.enabled),
         anti_windup=bool(p.anti_windup),
+        is_robust=p.mode == Mode.robust,
+        robust=robust.prepare(p),
     )
 
 
@@ -202,6 +215,8 @@ def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[Stat
         After the sample.
     """
     c = coefficients
+    if c.is_robust:
+        return _robust_step(state, inputs, c)
     delta = inputs.suspension_deflection
     previous = state.deflection if state.started else delta
     v = c.rate_decay * state.rate + c.rate_gain * (delta - previous)
@@ -213,7 +228,23 @@ def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[Stat
         u_sat = min(max(u, -c.limit), c.limit)  # (6)
     else:
         F_hat = u = u_sat = 0.0
-    state = State(state.next_sample + 1, True, *map(flush_subnormal, (delta, v, u, u_sat, F_hat)))
+    delta, v, u, u_sat, F_hat = map(flush_subnormal, (delta, v, u, u_sat, F_hat))
+    state = State(state.next_sample + 1, True, delta, v, u, u_sat, F_hat, state.robust)
+    return state, held_outputs(state, c)
+
+
+def _robust_step(state: State, inputs: Inputs, c: Coefficients) -> tuple[State, Outputs]:
+    """Take one sample of the mode robust. A measurement that is not finite changes the fault alone."""
+    given = inputs.suspension_deflection
+    finite = math.isfinite(given)
+    previous = state.deflection if state.started else given if finite else 0.0
+    delta = given if finite else previous
+    v = c.rate_decay * state.rate + c.rate_gain * (delta - previous)
+    sample = robust.Sample(inputs.seat_acceleration, given, previous, v, state.force, c.enabled)
+    after, demand, force = robust.step(state.robust, sample, c.robust)
+    estimate = after.estimate if after.active else 0.0
+    delta, v, demand, force = map(flush_subnormal, (delta, v, demand, force))
+    state = State(state.next_sample + 1, True, delta, v, demand, force, estimate, after)
     return state, held_outputs(state, c)
 
 
@@ -234,6 +265,7 @@ def held_outputs(state: State, coefficients: Coefficients) -> Outputs:
     """
     height = coefficients.height + state.deflection
     radicand = coefficients.link_squared - height * height
+    estimates, nominal = state.robust.estimator, coefficients.robust.estimator
     torque = state.force * math.sqrt(radicand) * coefficients.torque_gain if radicand > 0.0 else 0.0
     return Outputs(
         force=state.force,
@@ -242,6 +274,11 @@ def held_outputs(state: State, coefficients: Coefficients) -> Outputs:
         disturbance_estimate=state.estimate,
         deflection_rate=state.rate,
         saturated=state.demand != state.force,
+        fault=Fault(state.robust.faults.fault),
+        driver_mass_estimate=estimates.mass if coefficients.is_robust else nominal.nominal_mass,
+        friction_estimate=estimates.friction if coefficients.is_robust else nominal.nominal_friction,
+        driver_mass_trusted=estimates.mass_trusted,
+        friction_trusted=estimates.friction_trusted,
     )
 
 
@@ -253,7 +290,7 @@ def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple
     inputs
         Not used.
     coefficients
-        Not used.
+        Coefficients from :func:`prepare`.
     time
         Start time, in s; the first sample is due at the first multiple of the sample time from there on.
 
@@ -262,10 +299,11 @@ def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple
     state : State
         Before the first sample.
     outputs : Outputs
-        All 0.
+        All 0, except the estimates: these are the nominal values.
     """
     first = math.ceil(time / SAMPLE_TIME.value - SAMPLE_TOLERANCE)
-    return State(first, False, 0.0, 0.0, 0.0, 0.0, 0.0), Outputs()
+    state = State(first, False, 0.0, 0.0, 0.0, 0.0, 0.0, robust.start(coefficients.robust))
+    return state, held_outputs(state, coefficients)
 
 
 def advance(
@@ -323,14 +361,14 @@ def warnings(parameters: Parameters) -> list[str]:
 
 
 def is_valid_state(state: State, parameters: Parameters, time: float) -> bool:
-    """Check that a run can have a state at a time: its next sample is near that time.
+    """Check that a run can have a state at a time: its next sample is near that time, its delay line fits.
 
     Parameters
     ----------
     state
         State of any origin; all its numbers are finite.
     parameters
-        Not used.
+        Parameters of the controller.
     time
         Time that the run has reached, in s.
 
@@ -339,7 +377,8 @@ def is_valid_state(state: State, parameters: Parameters, time: float) -> bool:
     bool
         Whether a run can have this state.
     """
-    return abs(state.next_sample * SAMPLE_TIME.value - time) <= CLOCK_TOLERANCE
+    near = abs(state.next_sample * SAMPLE_TIME.value - time) <= CLOCK_TOLERANCE
+    return near and robust.is_valid_state(state.robust, parameters)
 
 
 SEAT_CONTROLLER = Component(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,10 +33,15 @@ class Floor(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What the seat did at t = k h: driver's acceleration in m/s2, deflection in m."""
+    """What the seat did at t = k h: driver's acceleration in m/s2, deflection in m.
+
+    And force and fault of sample k, where they are known.
+    """
 
     acceleration: Array
     deflection: Array
+    force: Array | None = None
+    fault: Array | None = None
 
 
 def bump(duration: float, height: float = 0.07, length: float = 0.8, speed: float = 1.0) -> Floor:
@@ -94,7 +99,14 @@ class Rig:
     def __exit__(self, *exception: object) -> None:
         self._stack.close()
 
-    def run(self, floor: Floor, parameters: Mapping[str, float], delay: int = 0) -> Motion:
+    def run(
+        self,
+        floor: Floor,
+        parameters: Mapping[str, float],
+        delay: int = 0,
+        spoil: Callable[[int, float, float], tuple[float, float]] = lambda k, a, delta: (a, delta),
+        between: Callable[[int, Instance], None] = lambda k, controller: None,
+    ) -> Motion:
         """Run once.
 
         Parameters
@@ -105,6 +117,10 @@ class Rig:
             ``seat.…`` and ``controller.…``; the others start from their defaults.
         delay
             Extra samples between the controller's force and the seat.
+        spoil
+            Function from sample and measurements, in m/s2 and m, to what the controller gets of them.
+        between
+            Called with the sample and the controller before its step.
         """
         for name, instance in self._instances.items():
             own = {key.partition(".")[2]: value for key, value in parameters.items() if key.startswith(f"{name}.")}
@@ -121,10 +137,13 @@ class Rig:
         queue = deque([0.0] * delay)
         rows = []
         for k, motion in enumerate(zip(*(signal.tolist() for signal in floor), strict=True)):
-            rows.append(seat.getReal(seen))
-            controller.setReal(measured, seat.getReal(sensors))
+            moved = seat.getReal(seen)
+            controller.setReal(measured, spoil(k, *seat.getReal(sensors)))
+            between(k, self._instances["controller"])
             controller.doStep(k * STEP_SIZE, STEP_SIZE)
-            queue.append(controller.getReal([port["controller.force"]])[0])
+            force = controller.getReal([port["controller.force"]])[0]
+            rows.append([*moved, force, controller.getInteger([port["controller.fault"]])[0]])
+            queue.append(force)
             seat.setReal(inputs, [*motion, queue.popleft()])
             seat.doStep(k * STEP_SIZE, STEP_SIZE)
         return Motion(*np.array(rows).T)

@@ -156,7 +156,7 @@ def test_an_option_without_effect_is_an_error_that_names_both(shell: Shell, tmp_
 
 def test_every_option_of_a_design_counts_or_is_refused_with_given_gains():
     """No option of `design` may be forgotten in the list above."""
-    used = {"--gains", "--lambda", "--output"}
+    used = {"--gains", "--lambda", "--output", "--mode", "--set"}
     options = {option.opts[0] for option in design.params if isinstance(option, click.Option)} - used
     assert options == {message.split()[0] for line, message in NO_EFFECT if line.startswith("design --gains")}
 

@@ -132,9 +132,11 @@ def test_the_doctor_tells_what_is_there_and_what_is_missing(
     monkeypatch.setattr(carried, "package_folders", lambda: (native, tmp_path))
     code, out, _ = shell("doctor", "--json")
     assert code == 0
-    facts = {(fact["group"], fact["name"]): fact for fact in json.loads(out)}
-    assert facts["master", "stepping loop"]["found"] == "in C"
-    assert "FMI 3.0" in facts["FMUs", "Shaker"]["found"]
+    facts: dict[tuple[str, str], list[str]] = {}
+    for fact in json.loads(out):
+        facts.setdefault((fact["group"], fact["name"]), []).append(fact["found"])
+    assert facts["master", "stepping loop"] == ["in C"]
+    assert any("FMI 3.0" in text for text in facts["FMUs", "Shaker"])
     monkeypatch.setattr(doctor, "version", lambda name: (_ for _ in ()).throw(doctor.PackageNotFoundError(name)))
     monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path, tmp_path))
     code, out, _ = shell("doctor")
@@ -187,7 +189,7 @@ def test_messages_name_what_helps(shell: Shell, native: Path, foreign: Path, tmp
             "pasive",
         ): "a set among load, passive, prototype, ride, got no such file (did you mean passive?)",
         ("--connect", "shaker.floor_velocity=seat.floor_velocity"): "--disconnect seat.floor_velocity",
-        ("--connect", "seat.force=controller.force"): "to be an output, got one of causality input",
+        ("--connect", "seat.force=controller.force"): "to be an output, got an input",
         ("--replace", f"shaker={foreign / 'Cabin.fmu'}"): "--connect shaker.z=seat.floor_",
     }.items():
         code, _, err = shell("simulate", "Seat.ssp", *words)
@@ -198,7 +200,7 @@ def test_messages_name_what_helps(shell: Shell, native: Path, foreign: Path, tmp
         system.validate(1.0)
 
 
-def test_one_problem_at_all_masses_is_told_once(shell: Shell):
+def test_one_problem_at_all_masses_is_reported_once(shell: Shell):
     code, _, err = shell("design", "--objective", "lambda")
     assert code == 1
     assert err.count("sampled loop") == 1

@@ -132,7 +132,7 @@ def test_warnings_of_several_drivers_are_put_together():
         (["--step-size", "0.01"], "step size 0.01 s: controller samples every 0.002 s"),
     ],
 )
-def test_what_is_doubtful_is_told_once_and_blocks_nothing(shell: Shell, words: list[str], note: str):
+def test_what_is_doubtful_is_reported_once_and_blocks_nothing(shell: Shell, words: list[str], note: str):
     code, _, err = shell("run", "bump", *words)
     assert code == 0
     assert err.count(note) == 1

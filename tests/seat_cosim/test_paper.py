@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seat_cosim.paper import report
+from seat_cosim.paper import experiments, report
 from seat_cosim.paper.contents import CONTENTS
 from seat_cosim.paper.experiments import findings
 from seat_cosim.paper.finding import Finding, Kind, Row
@@ -162,6 +162,11 @@ def test_the_document_has_the_numbers_found(found: dict[str, Finding]):
             assert f"| {entry.number} | {each.quantity} |{unit} | {each.paper} | {each.ours} |\n" in text
 
 
+def test_every_entry_is_made_by_one_experiment():
+    assert [key for keys in experiments.KEYS.values() for key in keys] == [entry.key for entry in CONTENTS]
+    assert list(experiments.KEYS) == list(experiments.EXPERIMENTS)
+
+
 def test_the_report_has_all_figures_and_tables(page: str, folder: Path):
     for entry in CONTENTS:
         assert f'<section id="{entry.key}">' in page
@@ -191,6 +196,7 @@ def test_csv_files_hold_the_curves(folder: Path, found: dict[str, Finding]):
         assert len(drawn) >= min(curves, 2)
 
 
+@pytest.mark.long  # all experiments a second time
 def test_reproduce_alone_writes_the_same_report(shell: Shell, folder: Path, tmp_path: Path):
     code, out, err = shell("reproduce")
     assert (code, err) == (0, "")

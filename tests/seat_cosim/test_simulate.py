@@ -107,7 +107,7 @@ def test_a_run_in_real_time_reports_its_deadlines(shell: Shell, ssp: str):
         (("--replace", "shaker"), "--replace shaker: expected COMPONENT=FILE.fmu"),
         (("--replace", "shakr=x.fmu"), "shakr: expected a component among"),
         (("--replace", "shaker=x.fmu"), "x.fmu: expected an FMU, got no such file"),
-        (("--connect", "shaker.x"), "--connect shaker.x: expected A.x=B.y, the output first"),
+        (("--connect", "shaker.x"), "connect shaker.x: expected A.x=B.y, the output first"),
         (("--connect", "shaker.floor_velocity=seat.floor_velocity"), "expected a free input"),
         (("--disconnect", "seat.forc"), "seat.forc: expected a variable of"),
         (("--set", "seat.driver_mass"), "--set seat.driver_mass: expected COMPONENT.VARIABLE=VALUE"),

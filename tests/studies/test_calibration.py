@@ -150,7 +150,11 @@ def test_parameters_come_by_name_or_file_and_set_wins(shell: Shell, tmp_path: Pa
     assert found["name"] == found["file"]
     assert len(set(found.values())) == 3
     code, _, err = shell("run", "bump", "--parameters", "passiv")
-    assert (code, err) == (2, "seat-cosim: error: passiv: expected a parameter set (.ssv), got no such file\n")
+    assert code == 2
+    assert err == (
+        "seat-cosim: error: parameters passiv: expected a file, or a set among load, passive, prototype, ride, "
+        "got no such file (did you mean passive?)\n"
+    )
 
 
 def test_an_unknown_set_is_reported():

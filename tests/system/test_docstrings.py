@@ -43,7 +43,7 @@ class Level:
 LEVELS = {
     "cosim": Level(short=0, unnamed=0, parameters=0.97, results=1.0),
     "cosim.engine": Level(short=5, unnamed=7, parameters=0.68, results=0.56),
-    "cosim.fmi": Level(short=4, unnamed=7, parameters=0.74, results=0.87),
+    "cosim.fmi": Level(short=4, unnamed=0, parameters=0.85, results=0.94),
     "fmus": Level(short=0, unnamed=0, parameters=0.96, results=1.0),
     "plant_models": Level(short=0, unnamed=0, parameters=0.95, results=1.0),
     "seat_controller_fmu": Level(short=0, unnamed=0, parameters=1.0, results=1.0),

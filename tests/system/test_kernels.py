@@ -35,6 +35,7 @@ INCLUDES = [f"-I{ROOT / folder}" for folder in ("fmus", "plant_models")]
 """Where headers lie that several models include."""
 
 CONTROLLER = "src/seat_controller_fmu/controller.c"
+CONTROLLER_SOURCES = [path.name for path in kernel_files("seat_controller_fmu.controller") if path.suffix == ".c"]
 
 gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 
@@ -82,7 +83,53 @@ def random_values(variable: VariableDeclaration, count: int, random: np.random.G
 
 
 STATE_SCALES = {
-    "SeatController": {"deflection": 0.02, "rate": 0.5, "demand": 300.0, "force": 200.0, "estimate": 200.0},
+    "SeatController": {
+        "deflection": 0.02,
+        "rate": 0.5,
+        "demand": 300.0,
+        "force": 200.0,
+        "estimate": 200.0,
+        "robust.level": 1.0,
+        "robust.held": 200.0,
+        "robust.safety": 1.0,
+        "robust.position": 0.02,
+        "robust.rate": 0.2,
+        "robust.floor": 2.0,
+        "robust.applied": 200.0,
+        "robust.answered": 200.0,
+        "robust.part": 200.0,
+        "robust.cushion_1": 2.0,
+        "robust.cushion_2": 2.0,
+        "robust.estimate": 100.0,
+        "robust.bias": 0.05,
+        "robust.start": 1e-3,
+        "robust.envelope": 0.03,
+        "robust.followed": 0.2,
+        "robust.slow": 0.01,
+        "robust.speed": 0.02,
+        "robust.lagging": 200.0,
+        "robust.estimator.mass": 80.0,
+        "robust.estimator.friction": 75.0,
+        "robust.estimator.s": 30.0,
+        "robust.estimator.a": 30.0,
+        "robust.estimator.sa": 30.0,
+        "robust.estimator.aa": 300.0,
+        "robust.estimator.y": 3e4,
+        "robust.estimator.sy": 3e4,
+        "robust.estimator.ay": 3e4,
+        "robust.faults.acceleration": 1.0,
+        "robust.faults.beyond_range": 40.0,
+        "robust.faults.same_acceleration": 40.0,
+        "robust.faults.same_deflection": 40.0,
+        "robust.faults.path": 0.01,
+        "robust.faults.rate_before": 0.1,
+        "robust.faults.clear": 100.0,
+        "robust.faults.balance": 100.0,
+        "robust.faults.low_passed": 1.0,
+        "robust.faults.imbalance": 1.5,
+        "robust.faults.biased": 600.0,
+        "robust.line": 100.0,
+    },
     "SeatPlant": {
         "masses.seat_displacement": 0.05,
         "masses.seat_velocity": 0.5,
@@ -105,8 +152,33 @@ STATE_SCALES = {
 }
 
 
-DURATIONS = {"floor.age", "floor.interval"}
+POSITIVE = {
+    "floor.age",
+    "floor.interval",
+    "robust.level",
+    "robust.safety",
+    "robust.envelope",
+    "robust.speed",
+    "robust.start",
+    "robust.estimator.mass",
+    "robust.estimator.friction",
+    "robust.estimator.aa",
+    "robust.faults.path",
+    "robust.faults.imbalance",
+}
 """States that are never negative."""
+
+COUNTERS = {
+    "robust.estimator.sliding": 20,
+    "robust.estimator.fresh": 49,
+    "robust.estimator.n": 3000,
+    "robust.faults.beyond_range": 60,
+    "robust.faults.same_acceleration": 60,
+    "robust.faults.same_deflection": 60,
+    "robust.faults.clear": 150,
+    "robust.faults.biased": 1100,
+}
+"""Largest value of states that count samples."""
 
 
 def delay_lines(times: np.ndarray, random: np.random.Generator) -> list[np.ndarray]:
@@ -120,9 +192,15 @@ def delay_lines(times: np.ndarray, random: np.random.Generator) -> list[np.ndarr
     return list(lines.T)
 
 
-def random_states(component: Component, times: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """States of all magnitudes, some below the smallest, some 0."""
+def random_states(
+    component: Component, times: np.ndarray, values: np.ndarray, random: np.random.Generator
+) -> np.ndarray:
+    """States of all magnitudes, some below the smallest, some 0; delay lines fit the parameters."""
     columns = []
+    names = [v.name for v in component.variables]
+    delay = np.zeros(len(times))
+    if component.name == "SeatController":
+        delay = np.floor(values[:, names.index("actuator_delay")] / 0.002 + 0.5)
     for field, kind, length, _ in state_fields(component.state):
         if field == "next_sample":
             columns.append(np.round(times / 0.002))
@@ -130,15 +208,26 @@ def random_states(component: Component, times: np.ndarray, random: np.random.Gen
             continue
         elif field == "actuator.line_length":
             columns += delay_lines(times, random)
+        elif field == "robust.line_length":
+            columns.append(2.0 * delay)
+        elif field == "robust.place":
+            columns.append(np.floor(delay * random.random(len(times))))
+        elif field == "robust.faults.fault":
+            columns.append(random.choice([1.0, 1.0, 1.0, *range(2, 11)], len(times)))
+        elif field == "robust.estimator.direction":
+            columns.append(random.choice([-1.0, 0.0, 1.0], len(times)))
+        elif field in COUNTERS:
+            columns.append(random.integers(0, COUNTERS[field], len(times), endpoint=True).astype(float))
         elif field == "tick":
             columns.append(np.floor((times + 1e-9) / 0.002))
         elif kind is bool:
             columns.append(random.integers(0, 2, len(times)).astype(float))
         else:
-            for _ in range(length or 1):
+            for index in range(length or 1):
                 column = random.normal(0.0, STATE_SCALES[component.name][field], len(times))
-                column = np.abs(column) if field in DURATIONS else column
-                columns.append(column * random.choice([1.0, 1e-8, 1e-33, 0.0], len(times), p=[0.85, 0.05, 0.05, 0.05]))
+                column = np.abs(column) if field in POSITIVE else column
+                column = column * random.choice([1.0, 1e-8, 1e-33, 0.0], len(times), p=[0.85, 0.05, 0.05, 0.05])
+                columns.append(np.where(index < 2.0 * delay, column, 0.0) if field == "robust.line" else column)
     return np.array(columns).T.copy() if columns else np.zeros((len(times), 0))
 
 
@@ -186,7 +275,7 @@ def test_c_and_python_compute_the_same(component: Component, what: str, count: i
     values = np.array([random_values(v, count, random) for v in component.variables]).T.copy()
     times = 0.002 * random.integers(0, 2000, count) + random.choice([0.0, 1e-10, -1e-10, 7e-4], count)
     steps = random.choice([1e-5, 2e-4, 5e-4, 2e-3, 1e-2], count, p=[0.2, 0.3, 0.35, 0.1, 0.05])
-    states = random_states(component, times, random)
+    states = random_states(component, times, values, random)
     refused = np.zeros(count, dtype=np.uint8)
     expected = [
         python_twin(component, getattr(component, what), row, state, *given[: 2 if what == "advance" else 1])
@@ -203,7 +292,7 @@ def test_c_and_python_compute_the_same(component: Component, what: str, count: i
     )
     assert (refused == [one is None for one in expected]).all()
     accepted = refused == 0
-    assert refusals < count / 2
+    assert refusals < 0.7 * count
     outputs = [i for i, v in enumerate(component.variables) if v.causality == "output"]
     differences = [
         largest_difference(states[accepted], np.array([one[0] for one in expected if one])),
@@ -224,12 +313,17 @@ def test_kernels_compile_without_any_warning(kernel: str, tmp_path: Path):
 
 @gcc
 def test_the_controller_compiles_alone_in_single_precision(tmp_path: Path):
-    for name in ("controller.c", "controller.h"):
-        shutil.copy(ROOT / "src/seat_controller_fmu" / name, tmp_path)
+    for path in kernel_files("seat_controller_fmu.controller"):
+        shutil.copy(path, tmp_path)
     options = [*STRICT, "-Wdouble-promotion", "-DSEAT_CONTROLLER_REAL=float", "-O2"]
-    compile_c(tmp_path, *options, "-c", "controller.c", "-o", "single.o")
+    compile_c(tmp_path, *options, "-c", *CONTROLLER_SOURCES)
+    objects = [name.replace(".c", ".o") for name in CONTROLLER_SOURCES]
+    compile_c(tmp_path, "-r", "-nostdlib", *objects, "-o", "single.o")
     used = subprocess.run(["nm", "-u", "single.o"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
-    assert set(re.findall(r"U (\w+)", used)) <= {"sqrtf", "ceil", "_GLOBAL_OFFSET_TABLE_"}
+    known = {"sqrtf", "ceil", "_GLOBAL_OFFSET_TABLE_", "memset", "memcpy"}
+    assert set(re.findall(r"U (\w+)", used)) <= known | {"exp", "floor"}, (
+        "the last two while the parameters are prepared"
+    )
 
 
 @gcc
@@ -262,7 +356,9 @@ def test_a_sample_in_c_costs_what_it_costs_in_python(tmp_path: Path):
         ["objdump", "-d", "kernel.o"], cwd=tmp_path, capture_output=True, text=True, check=True
     ).stdout
     bodies = dict(re.findall(r"<([\w.]+)>:\n(.*?)(?:\n\n|\Z)", code, re.DOTALL))
-    sample = "\n".join(body for name, body in bodies.items() if name.split(".")[0] in ("sample", "held_outputs"))
+    sample = "\n".join(
+        body for name, body in bodies.items() if name.split(".")[0] in ("published_sample", "held_outputs")
+    )
     count = {kind: len(re.findall(rf"\b{kind}sd\b", sample)) for kind in ("mul", "div", "add", "sub")}
     print(count)
     assert count["mul"] + count["div"] == 10
@@ -270,8 +366,13 @@ def test_a_sample_in_c_costs_what_it_costs_in_python(tmp_path: Path):
 
 
 @gcc
-def test_single_precision_follows_double_precision(tmp_path: Path):
-    """The observer's loop in float, over 2 s of a sine: measured 0.0003 N of 250 N."""
+@pytest.mark.parametrize(
+    ("mode", "acceleration", "deflection", "bound"), [(1, 1.0, 0.02, 0.0025), (2, 0.05, 0.006, 0.02)]
+)
+def test_single_precision_follows_double_precision(
+    mode: int, acceleration: float, deflection: float, bound: float, tmp_path: Path
+):
+    """The loop in float, over 2 s of a sine: measured 0.0003 N of 250 N, and 0.002 N of 200 N in mode robust."""
     forces = {}
     for kind in ("double", "float"):
         source = tmp_path / f"{kind}.c"
@@ -281,11 +382,12 @@ def test_single_precision_follows_double_precision(tmp_path: Path):
 #include "defaults.h"
 void run(int count, const double *accelerations, const double *deflections, double *forces)
 {
-    const seat_controller_parameters parameters = {SEAT_CONTROLLER_DEFAULTS(seat_controller_real)};
+    seat_controller_parameters parameters = {SEAT_CONTROLLER_DEFAULTS(seat_controller_real)};
     seat_controller_coefficients coefficients;
     seat_controller_state state;
+    parameters.mode = MODE;
     seat_controller_prepare(&parameters, &coefficients);
-    seat_controller_start(&state);
+    seat_controller_start(&state, &coefficients);
     for (int k = 0; k < count; ++k) {
         seat_controller_inputs inputs;
         seat_controller_outputs outputs;
@@ -300,10 +402,10 @@ void run(int count, const double *accelerations, const double *deflections, doub
         )
         for name, content in source_files(COMPONENTS[0], STANDARDS["fmi2"], "{}").items():
             (tmp_path / name).write_bytes(content)
-        options = [f"-DSEAT_CONTROLLER_REAL={kind}", *STRICT, "-O2", "-shared", "-fPIC", "-I."]
-        compile_c(tmp_path, *options, source.name, "controller.c", "-o", f"{kind}.so", "-lm")
+        options = [f"-DSEAT_CONTROLLER_REAL={kind}", f"-DMODE={mode}", *STRICT, "-O2", "-shared", "-fPIC", "-I."]
+        compile_c(tmp_path, *options, source.name, *CONTROLLER_SOURCES, "-o", f"{kind}.so", "-lm")
         t = 0.002 * np.arange(1000)
-        accelerations, deflections = np.sin(18.0 * t), 0.02 * np.sin(18.0 * t + 1.0)
+        accelerations, deflections = acceleration * np.sin(18.0 * t), deflection * np.sin(18.0 * t + 1.0)
         found = np.zeros(len(t))
         ctypes.CDLL(str(tmp_path / f"{kind}.so")).run(
             len(t), pointer(accelerations), pointer(deflections), pointer(found)
@@ -311,4 +413,4 @@ void run(int count, const double *accelerations, const double *deflections, doub
         forces[kind] = found
     difference = np.abs(forces["float"] - forces["double"]).max()
     print(f"largest difference {difference:.2e} N of {np.abs(forces['double']).max():.0f} N")
-    assert difference < 0.0025
+    assert difference < bound

@@ -64,7 +64,10 @@ def test_states_continue_bit_identically(fmus: Path, native: Path, flavour: str,
     """Back in time, and as bytes in another instance that has had other parameters."""
     with two_instances(native / flavour / "Shaker.fmu", tmp_path) as (one, other):
         model = one.model
-        values = {name: model.value("shaker", name, value) for name, value in PROFILES[profile].items()}
+        values = {
+            name: model.value("shaker", model.elements("shaker", name), value)
+            for name, value in PROFILES[profile].items()
+        }
         outputs = [v.valueReference for v in model.outputs]
 
         def step(instance: Instance, k: int) -> list[float]:

@@ -58,8 +58,11 @@ def test_identifiers_are_split():
 
 def test_no_file_has_a_word_of_the_old_vocabulary():
     found = []
+    likely = re.compile("|".join((*WORDS, *PHRASES)), re.IGNORECASE)  # splitting every line takes seconds
     for path in files():
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if not likely.search(line):
+                continue
             for rule_id in IN_IDS:
                 line = line.replace(rule_id, "")
             old = [word for word in WORDS if word in set(words(line))] + [p for p in PHRASES if p in line.lower()]

@@ -10,6 +10,7 @@ from contextlib import chdir
 from cosim.conformance.harness import Harness
 from cosim.conformance.raw_instance import library_class, library_path
 from cosim.conformance.rule import rule
+from cosim.errors import listed
 
 NEEDS_LIBRARY = ("binary.loads",)
 """Needs of the rules that call functions of the FMU."""
@@ -40,8 +41,7 @@ def symbols(harness: Harness) -> Iterator[str]:
     expected = library_class(harness.description).prototypes()
     missing = [name for name in expected if not hasattr(library, name)]
     if missing:
-        more = f" and {len(missing) - 5} more" if len(missing) > 5 else ""
-        yield f"{path.name}: expected {len(expected)} functions, got none of {', '.join(missing[:5])}{more}"
+        yield f"{path.name}: expected {len(expected)} functions, got none of {listed(missing, most=5)}"
 
 
 @rule(

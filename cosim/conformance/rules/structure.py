@@ -9,6 +9,7 @@ from cosim.conformance.fmu_archive import FmuArchive
 from cosim.conformance.model_description import RawDescription, RawVariable, Unknown
 from cosim.conformance.rule import NotApplicableError, rule
 from cosim.conformance.rules.description import require_description
+from cosim.errors import listed
 from cosim.fmi.variable_types import FLOATS
 
 _CLAUSE = "2.0 §2.2.8; 3.0 §2.4.8"
@@ -31,8 +32,7 @@ def _indices(fmu: FmuArchive, name: str) -> set[int]:
 
 
 def _names(variables: list[RawVariable]) -> str:
-    shown = ", ".join(map(str, variables[:5]))
-    return shown + (f" and {len(variables) - 5} more" if len(variables) > 5 else "")
+    return listed(list(map(str, variables)), most=5)
 
 
 @rule("structure.references", "Entries refer to existing variables, each once", clause=_CLAUSE, stage="description")

@@ -17,9 +17,9 @@ from cosim.engine.clock import Clock
 from cosim.results.result import COMPLETE, PARTIAL, StepperName
 from seat_cosim.components import COMPONENTS, EXPERIMENT
 from tests.helpers.files import edited_text
+from tests.helpers.hosts import LOOPS
 
 H = 0.002
-LOOPS: tuple[StepperName, ...] = ("c", "python")
 
 FAULT = "if time + step_size > 0.1001: {}"
 FAULTS = {

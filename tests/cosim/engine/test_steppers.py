@@ -232,8 +232,10 @@ def test_rows_every_few_steps_are_those_of_all_steps(native: Path, every: int):
     assert all(np.array_equal(thin[name], full[name][ticks]) for name in full.values)
 
 
-@pytest.mark.parametrize("stepper", ["c", "python"])
-@pytest.mark.parametrize("every", [1, 3])
+@pytest.mark.parametrize(
+    ("every", "stepper"),
+    [(1, "c"), (3, "c"), (1, "python"), pytest.param(3, "python", marks=pytest.mark.long)],  # 200,000 steps in Python
+)
 def test_sinks_get_every_row_once_whether_rows_are_kept_or_not(echo: dict[int, Path], every: int, stepper: StepperName):
     system, names = pair(echo), ["b.reached", "a.out.Int8", "a.count"]
     stop = (2 * BLOCK * every + 10) * H

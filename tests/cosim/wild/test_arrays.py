@@ -15,6 +15,7 @@ from cosim.results.result import Result, StepperName
 from cosim.run_folder import run_to_folder
 from cosim.units import Linear
 from tests.helpers.files import edited
+from tests.helpers.hosts import HOSTS
 from tests.helpers.wild import C_TYPES, Var, Wild, par, var_in
 
 pytestmark = pytest.mark.builds
@@ -22,8 +23,6 @@ pytestmark = pytest.mark.builds
 H = 0.01
 INTEGERS = [name for name in C_TYPES if "Int" in name and name != "Integer"]
 NUMBERS = ["Real", "Float32", *INTEGERS, "Boolean"]
-HOSTS: list[tuple[StepperName, bool]] = [("c", False), ("python", False), ("python", True)]
-"""Loop, and whether the FMUs are isolated."""
 
 SOURCE = Wild(
     [

@@ -12,13 +12,13 @@ from cosim import System
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.repairs import SAMPLED
 from cosim.results.result import StepperName
+from tests.helpers.hosts import HOSTS, LOOPS
 from tests.helpers.wild import Var, Wild, var_in
 
 pytestmark = pytest.mark.builds
 
 H = 0.1
 STOP = 2.0
-LOOPS: tuple[StepperName, ...] = ("c", "python")
 
 COUNTER = Wild(
     [Var("count", "Integer", start="0", variability="discrete", initial="exact")],
@@ -74,7 +74,7 @@ def fmpy_rows(fmu: Path) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("name", MODELS)
-@pytest.mark.parametrize(("stepper", "isolate"), [("c", False), ("python", False), ("python", True)])
+@pytest.mark.parametrize(("stepper", "isolate"), HOSTS)
 def test_rows_alone_are_those_of_fmpy(
     wild: dict[tuple[str, int], Path], name: str, version: int, stepper: StepperName, isolate: bool
 ):

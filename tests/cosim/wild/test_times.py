@@ -11,12 +11,12 @@ import pytest
 
 from cosim import SetupError, System
 from cosim.results.result import StepperName
+from tests.helpers.hosts import LOOPS
 from tests.helpers.wild import Var, Wild, var_in
 
 pytestmark = pytest.mark.builds
 
 FMI = (2, 3)
-LOOPS: tuple[StepperName, ...] = ("c", "python")
 
 STRICT = Wild(
     [Var("y", start="0"), Var("stop", start="0"), Var("begin", start="0"), Var("tolerance", start="-1")],

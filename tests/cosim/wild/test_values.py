@@ -8,12 +8,12 @@ import pytest
 
 from cosim import RunError, SetupError, System
 from cosim.results.result import Result, StepperName
+from tests.helpers.hosts import HOSTS
 from tests.helpers.wild import Var, Wild, par, var_in
 
 pytestmark = pytest.mark.builds
 
 H = 0.01
-HOSTS: list[tuple[StepperName, bool]] = [("c", False), ("python", False), ("python", True)]
 
 UNITS = {
     "K": '<BaseUnit K="1"/>',

@@ -18,8 +18,9 @@ from cosim.fmi.archive import open_archive
 from cosim.fmi.description import ModelDescription
 from cosim.manifest import Manifest
 from cosim.results import formats
-from fmus.component import ParameterError
+from fmus.component import ParameterError, state_fields
 from plant_models.shaker.recording import read
+from seat_controller_fmu.controller import SEAT_CONTROLLER
 from seat_controller_fmu.design import gains
 from seat_cosim.scenarios import seat_suspension
 from tests.helpers.files import edited
@@ -139,12 +140,25 @@ FLAGS = 4
 """Numbers before the variables in a state: three flags and the stop time."""
 
 
+def _number(path: str) -> int:
+    """Return the number of a field in the controller's state."""
+    numbers = [field.path for field in state_fields(SEAT_CONTROLLER.state) for _ in range(field.length or 1)]
+    return numbers.index(path)
+
+
 IMPOSSIBLE = {
     "SeatPlant": [(16, 1.0), (16, 2.5), (16, 258.0), (16, -2.0), (16, 1e300), (16, math.nan), (0, math.inf)],
-    "SeatController": [(0, -1e12), (0, 1e12), (0, math.nan)],
+    "SeatController": [
+        (0, -1e12),
+        (0, 1e12),
+        (0, math.nan),
+        *((_number("robust.place"), value) for value in (1.0, -1.0, 0.5, 1e300)),
+        *((_number("robust.line_length"), value) for value in (2.0, -2.0, 1e300)),
+        *((_number("robust.faults.fault"), value) for value in (0.0, 2.5, 11.0)),
+    ],
 }
 """Number of a model's state, counted from its first, to what no instance can have: the seat's line_length, which was an
-index, and the controller's next sample, which was the begin of a loop."""
+index; the controller's next sample, which was the begin of a loop, its place in a delay line, and its fault."""
 
 
 @each_native
@@ -154,7 +168,7 @@ index, and the controller's next sample, which was the begin of a loop."""
 def test_a_true_checksum_does_not_make_a_state(bench: Bench, flavour: str, model: str, number: int, value: float):
     checked = bench(flavour, model)
     stepping = saved_states(checked)[2]
-    first = FLAGS + 1 + max(v.reference for v in checked.fmu.settable) + (model == "SeatController")  # a constant
+    first = FLAGS + 1 + max(v.reference for v in checked.fmu.settable)
     answer = checked.caller.from_bytes(spoiled(stepping, first + number, value))
     assert (answer.status, answer.value) == (ERROR, None)
     assert "expected a state of" in answer.text

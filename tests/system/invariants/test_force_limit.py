@@ -15,7 +15,7 @@ from cosim.errors import RunError
 from fmus.component import ParameterError
 from fmus.variables import variables_of
 from seat_controller_fmu import controller as kernel
-from seat_controller_fmu.interface import Inputs, Parameters
+from seat_controller_fmu.interface import Estimator, Inputs, Mode, Parameters
 from tests.helpers.driven import Driven
 from tests.helpers.searching import examples, fails, for_all
 
@@ -34,7 +34,11 @@ def values(low: float | None, high: float | None, start: float) -> st.SearchStra
 
 parameters = st.fixed_dictionaries(
     {field: values(v.minimum, v.maximum, v.start) for field, v in NUMBERS.items()},
-    optional={"anti_windup": st.booleans()},
+    optional={
+        "anti_windup": st.booleans(),
+        "mode": st.sampled_from(Mode),
+        "robust_estimator": st.sampled_from(Estimator),
+    },
 )
 measured = st.one_of(st.floats(-10.0, 10.0), st.floats(allow_nan=False, allow_infinity=False))
 histories = st.lists(st.tuples(measured, measured), min_size=1, max_size=30)
