@@ -113,6 +113,8 @@ class Manifest:
         Stop time and communication step size in s.
     record
         The recorded outputs as ``component.variable``.
+    units
+        Those of them that have a unit, and it: the CSV file does not keep units.
     record_every
         N, where every N-th communication point is recorded.
     formats
@@ -147,6 +149,7 @@ class Manifest:
     stop_time: float
     step_size: float
     record: list[str]
+    units: dict[str, str] = field(default_factory=dict)
     record_every: int = 1
     formats: list[str] = field(default_factory=lambda: ["csv"])
     real_time: bool = False
@@ -213,6 +216,7 @@ class Manifest:
             stop_time=checked.clock.stop_time,
             step_size=checked.clock.step_size,
             record=checked.record,
+            units={name: unit for name in checked.record if (unit := system.unit(name))},
             record_every=options.record_every,
             formats=formats,
             real_time=options.real_time,

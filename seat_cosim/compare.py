@@ -13,11 +13,15 @@ from cosim.fmi.values import Value
 from cosim.results.result import Result
 from cosim.run_folder import run_to_folder
 from cosim.system import System
+from seat_controller_fmu.interface import Mode
 from seat_cosim import scenarios
 from seat_cosim.plotting import Curve, Panel, draw
 from seat_cosim.ride_summary import RideSummary, evaluated_system, summarize
 
 _OBSERVERS = {"observer1": 1, "observer2": 2}
+ROBUST = Mode.robust.name
+"""The variant with the controller's mode robust."""
+
 _SIGNALS = {
     "Driver's acceleration": "seat.driver_acceleration",
     "Deflection": "seat.suspension_deflection",
@@ -67,16 +71,18 @@ class Ride:
     summary: RideSummary
 
 
-def variant(word: str, system: System) -> Variant:
+def variant(word: str, system: System, parameters: Mapping[str, Value]) -> Variant:
     """Read what to compare.
 
     Parameters
     ----------
     word
-        ``observer1``, ``observer2``, ``off``, ``passive``, a preset or file of gains (``.json``), or a controller's
-        ``.fmu``.
+        ``observer1``, ``observer2``, ``robust``, ``off``, ``passive``, a preset or file of gains (``.json``), or a
+        controller's ``.fmu``.
     system
         The seat suspension.
+    parameters
+        Parameters of the ride, which the mode robust takes its actuator and travel from.
 
     Raises
     ------
@@ -85,6 +91,8 @@ def variant(word: str, system: System) -> Variant:
     """
     if word in _OBSERVERS:
         return Variant(word, scenarios.paper_observer(_OBSERVERS[word]))
+    if word == ROBUST:
+        return Variant(word, scenarios.mode(word, parameters))
     if word == "off":
         return Variant(word, scenarios.control(False))
     if word == "passive":
@@ -96,7 +104,7 @@ def variant(word: str, system: System) -> Variant:
             Path(word).stem if word.endswith(".json") else word, scenarios.gains(str(Path(word).expanduser()))
         )
     except SetupError as error:
-        known = ", ".join((*_OBSERVERS, "off", "passive", "FILE.fmu"))
+        known = ", ".join((*_OBSERVERS, ROBUST, "off", "passive", "FILE.fmu"))
         raise SetupError(*(f"{problem}; or one of {known}" for problem in error.problems)) from error
 
 
@@ -140,9 +148,10 @@ def rides(
     prepared = []
     for word in words:
         system = make_system()
-        chosen = variant(word, system)
+        wanted = parameters(system)
+        chosen = variant(word, system, wanted)
         edit(system, {} if chosen.fmu is None else {"controller": chosen.fmu}, (), ())
-        given = {name: value for name, value in parameters(system).items() if _has(system, name)}
+        given = {name: value for name, value in wanted.items() if _has(system, name)}
         system.parameters |= {**{n: v for n, v in chosen.parameters.items() if _has(system, n)}, **given}
         system.validate(stop_time)
         prepared.append((chosen, system))

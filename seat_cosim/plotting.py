@@ -33,8 +33,11 @@ _STYLE: Any = {
     "lines.linewidth": 1.2,
     **REPRODUCIBLE,
 }
-_NARROW = 6.0
-"""Width in inches below which legends have two columns instead of four."""
+_LEGEND_WIDTH = 14.0
+"""Characters of a legend that fit beside each other, for each inch of a figure's width."""
+
+_LEGEND_MARGIN = 6
+"""Characters that line and space of a curve take in a legend."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,8 @@ class Panel:
         Label of the panel's own horizontal axis; the panels share one where None.
     limits
         Limits of the vertical axis; chosen by the curves where None.
+    legend
+        Whether a single curve has a legend, too.
     """
 
     label: str
@@ -85,6 +90,7 @@ class Panel:
     marks: Mapping[str, float]
     x_label: str | None = None
     limits: tuple[float, float] | None = None
+    legend: bool = False
 
 
 def literal(text: str) -> str:
@@ -119,10 +125,7 @@ def by_unit(
     panels: dict[str, list[Curve]] = {}
     for name, signal in values.items():
         panels.setdefault(literal(units[name] or "no unit"), []).append(Curve(literal(name), signal, {}))
-    return [
-        Panel(f"{curves[0].name}\n({unit})" if len(curves) == 1 else f"({unit})", time, curves[:most], {})
-        for unit, curves in list(panels.items())[:most]
-    ]
+    return [Panel(f"({unit})", time, curves[:most], {}, legend=True) for unit, curves in list(panels.items())[:most]]
 
 
 def draw(
@@ -168,7 +171,7 @@ def draw(
             layout="constrained",
         )
         for axis, panel in zip(axes[:, 0], panels, strict=True):
-            _fill(axis, panel, log, 4 if width >= _NARROW else 2)
+            _fill(axis, panel, log, int(_LEGEND_WIDTH * width))
             if own:
                 axis.set_xlabel(panel.x_label or x_label)
         axes[-1, 0].set_xlabel(panels[-1].x_label or x_label)
@@ -198,8 +201,8 @@ _UNDATED: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Dat
 """Suffix to the metadata without dates and versions."""
 
 
-def _fill(axis: Axes, panel: Panel, log: bool, columns: int) -> None:
-    """Draw one panel; ``columns`` of the legend."""
+def _fill(axis: Axes, panel: Panel, log: bool, characters: int) -> None:
+    """Draw one panel, with a legend of at most so many characters in a line."""
     for curve in panel.curves:
         axis.plot(panel.x if curve.x is None else curve.x, curve.values, label=curve.name, **curve.style)
     for name, level in panel.marks.items():
@@ -212,6 +215,8 @@ def _fill(axis: Axes, panel: Panel, log: bool, columns: int) -> None:
         axis.set_xscale("log")
         axis.set_yscale("log")
         axis.grid(which="minor", alpha=0.15)
-    if len(panel.curves) + len(panel.marks) > 1:
+    names = [*(curve.name for curve in panel.curves), *panel.marks]
+    if panel.legend or len(names) > 1:
+        columns = max(1, min(4, characters // (_LEGEND_MARGIN + max(map(len, names)))))
         # above the axes, where it hides no curve
         axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.0)

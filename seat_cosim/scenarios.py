@@ -61,11 +61,11 @@ SCENARIOS: dict[str, Scenario] = {
 """Name of a scenario to what it is."""
 
 OVERVIEW = {
-    "Displacement": ["shaker.floor_displacement", "seat.suspension_deflection"],
-    "Acceleration": ["shaker.floor_acceleration", "seat.seat_acceleration", "seat.driver_acceleration"],
+    "Acceleration": ["seat.driver_acceleration", "seat.seat_acceleration", "shaker.floor_acceleration"],
+    "Displacement": ["seat.suspension_deflection", "shaker.floor_displacement"],
     "Force": ["controller.force", "controller.disturbance_estimate", "seat.friction_force"],
 }
-"""Panels of a run's overview: quantity to its signals, which have one unit."""
+"""Panels of a run's overview: quantity to its signals, which have one unit; the driver's first, on top."""
 
 
 def seat_suspension(folder: Path) -> System:

@@ -1,4 +1,4 @@
-"""CSV files: rows are on disk as soon as they come; units are not kept."""
+"""CSV files: rows are on disk as soon as they come; the ``run.json`` beside a file keeps its units."""
 
 from __future__ import annotations
 

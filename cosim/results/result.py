@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -171,7 +172,8 @@ class Result:
         Returns
         -------
         Result
-            Incomplete where the name has ``.partial``. Units are None from CSV files, which do not keep them.
+            Incomplete where the name has ``.partial``. A CSV file does not keep units: they are those of the
+            ``run.json`` beside it that describes the file, and None where there is none.
 
         Raises
         ------
@@ -183,9 +185,21 @@ class Result:
         return cls(
             time=table.rows[:, 0],
             values={name: table.rows[:, i] for i, name in enumerate(table.names) if i > 0},
-            units=dict(zip(table.names[1:], table.units[1:], strict=True)),
+            units=dict(zip(table.names[1:], table.units[1:], strict=True)) | _units_beside(path, table.names),
             complete=".partial" not in path.suffixes,
         )
+
+
+def _units_beside(path: Path, names: Iterable[str]) -> dict[str, str]:
+    """Return the units that the ``run.json`` beside a CSV file has for columns of these names."""
+    if path.suffix != CsvSink.suffix:
+        return {}
+    try:
+        about = json.loads((path.parent / MANIFEST).read_text(encoding="utf-8"))
+        units = about["units"] if path.name in about["files"] else {}
+        return {name: str(units[name]) for name in names if name in units}
+    except (OSError, ValueError, LookupError, TypeError):  # no description of this file
+        return {}
 
 
 def prepare_folder(folder: Path) -> None:

@@ -10,13 +10,15 @@ import click
 from cosim.errors import writing_to
 from seat_cosim.cli.console import command_line, console, print_notes, print_warnings, progress_shown
 from seat_cosim.cli.folders import EVALUATION, choose_folder, force_option, write_command
+from seat_cosim.cli.options import settings
 from seat_cosim.cli.outcome import OutputOptions, output_options, print_rides
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
+from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained, notes_after
 from seat_cosim.scenarios import SCENARIOS
 
-PASSIVE = ("off", "passive")
-"""What can be compared without a controller, whose gains then do not matter."""
+WITHOUT_GAINS = ("off", "passive", "robust")
+"""What can be compared without the published law, whose range of drivers then does not matter."""
 
 
 @click.command()
@@ -41,9 +43,11 @@ def compare(
 
     \b
     Each of A B... is a preset of gains (published, table1-printed, recommended), a gains.json, observer1, observer2,
-    off (no force), passive (the passive seat), or the FMU of another controller with our variables.
+    robust (the mode robust), off (no force), passive (the passive seat), or the FMU of another controller with our
+    variables.
     Examples:
       seat-cosim compare passive published recommended
+      seat-cosim compare passive published robust --scenario random
       seat-cosim compare observer1 observer2 --scenario random --driver-mass 80
     """
     from seat_cosim import compare as comparison
@@ -52,6 +56,7 @@ def compare(
     duration = chosen.stop_time if stop_time is None else stop_time
     folder = choose_folder(output, Path("results", "compare", scenario), command_line(), force=force, marker=EVALUATION)
     ridden = []
+    _refuse_idle_shaker(seat, scenario)
     with progress_shown("comparing") as report:
         for ride in comparison.rides(
             controllers,
@@ -69,7 +74,9 @@ def compare(
     for ride in ridden:
         print_warnings(
             f"{ride.variant.title}: {text}"
-            for text in explained(ride.result.warnings, ride.variant.title, control=ride.variant.title not in PASSIVE)
+            for text in explained(
+                ride.result.warnings, ride.variant.title, control=ride.variant.title not in WITHOUT_GAINS
+            )
         )
     shown = OutputOptions(quiet, as_json)
     if not quiet:
@@ -80,3 +87,12 @@ def compare(
     if shown.prints_text:
         print_rides(rides)
         console.print(f"comparison.png and {len(ridden)} runs in {folder}", soft_wrap=True)
+
+
+def _refuse_idle_shaker(seat: SeatOptions, scenario: str) -> None:
+    """Raise an error for parameters of another floor; those of the controller may concern one of the compared."""
+    system = seat.system()
+    given = settings(seat.settings, system)
+    refuse_idle(
+        (name for name in given if name.startswith("shaker.")), system, {**SCENARIOS[scenario].parameters, **given}
+    )

@@ -15,10 +15,11 @@ from cosim.system import System
 from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, print_warnings, progress_shown
 from seat_cosim.cli.folders import EVALUATION, choose_folder, force_option, write_command
-from seat_cosim.cli.options import listed, replace_option, replacements
+from seat_cosim.cli.options import listed, replace_option, replacements, settings
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
 from seat_cosim.evaluation.seat import PASSIVE_NOTE, passive_seat, seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
+from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained
 from seat_cosim.scenarios import read_parameter_sets
 
@@ -115,6 +116,11 @@ def evaluate(
     edit(system, replacements(replace), (), ())
     system.parameters |= seat.parameters(system)
     system.check_parameters({})
+    refuse_idle(
+        settings(seat.settings, system),
+        system,
+        {f"{shaker}.profile": "random"} if system.has(f"{shaker}.profile") else {},
+    )
     signals = seat_signals(shaker).for_system(system, {name: value for name, value in names.items() if value})
     reference = seat.system()
     systems = [

@@ -17,9 +17,10 @@ from cosim.system import System
 from seat_cosim.cli.console import command_line, print_warnings, progress_shown
 from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.folders import choose_folder, force_option
-from seat_cosim.cli.options import check_run_options, run_options
+from seat_cosim.cli.options import check_run_options, run_options, settings
 from seat_cosim.cli.outcome import Outcome, OutputOptions, output_options, print_run
 from seat_cosim.cli.seat_options import OPTIONS, SeatOptions, seat_options
+from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained, notes_after, notes_before
 from seat_cosim.scenarios import SCENARIOS, control
 
@@ -76,6 +77,7 @@ def run(
     stop_time = chosen.stop_time if stop_time is None else stop_time
     system = seat.system()
     parameters = {**chosen.parameters, **seat.parameters(system)}
+    refuse_idle(settings(seat.settings, system), system, parameters)
     notes = notes_before(system, parameters, step_size)
     folder = choose_folder(output, Path("results", "run", scenario), command_line(), force=force)
     with progress_shown(f"running {scenario}") as report:

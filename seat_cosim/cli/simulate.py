@@ -17,6 +17,7 @@ from cosim.run_folder import run_to_folder
 from cosim.system import System
 from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, progress_shown
+from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.folders import choose_folder, force_option
 from seat_cosim.cli.options import (
     check_run_options,
@@ -31,6 +32,7 @@ from seat_cosim.cli.options import (
 from seat_cosim.cli.options import settings as read_settings
 from seat_cosim.cli.outcome import OutputOptions, output_options, print_run, simulated
 from seat_cosim.cli.paths import with_user_paths
+from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import notes_before
 from seat_cosim.scenarios import read_parameter_sets
 
@@ -97,15 +99,19 @@ def simulate(
     system = System.load(file)
     edit(system, replacements(replace), disconnect, connect)
     system.parameters |= read_parameter_sets(parameter_files, system)
-    system.parameters |= with_user_paths(read_settings(settings, system), system)
+    given = with_user_paths(read_settings(settings, system), system)
+    system.parameters |= given
     system.start_time = system.start_time if start_time is None else start_time
     system.stop_time = system.stop_time if stop_time is None else stop_time
     system.step_size = system.step_size if step_size is None else step_size
     system.component_steps |= seconds("--component-step", component_step)
     system.algorithm = algorithm or system.algorithm
     if order:
+        if system.algorithm == "jacobi":
+            refuse_without_effect(["order"], "--algorithm jacobi", "jacobi steps all components from the same values")
         system.order = names(order)
     system.validate(record=record or None, tolerance=tolerance)
+    refuse_idle(given, system, {})
     end = system.clock().stop_time
     if save:
         system.save(save)

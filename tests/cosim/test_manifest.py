@@ -67,6 +67,17 @@ def test_run_json_describes_the_run_and_its_end(swapped: System, tmp_path: Path)
     assert list(content["parameters"]) == sorted(content["parameters"])
     assert (content["stop_time"], content["step_size"]) == (0.1, H)
     assert (content["record"], content["record_every"], content["formats"]) == (record, 2, ["csv", "parquet"])
+    assert content["units"] == {"controller.force": "N", "seat.driver_acceleration": "m/s2"}
+
+
+def test_a_csv_file_has_the_units_of_the_run_json_that_describes_it(swapped: System, tmp_path: Path):
+    units = run(swapped, tmp_path / "run").units
+    table = tmp_path / "run" / "result.csv"
+    assert "seat.driver_acceleration" in units
+    assert Result.read(table).units == units
+    assert set(Result.read(table.rename(tmp_path / "run" / "other.csv")).units.values()) == {None}
+    (tmp_path / "run" / "run.json").write_text("[]")
+    assert set(Result.read(tmp_path / "run" / "other.csv").units.values()) == {None}
 
 
 def test_equal_runs_write_the_same_bytes(swapped: System, tmp_path: Path):

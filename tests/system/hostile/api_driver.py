@@ -81,7 +81,7 @@ class ApiDriver:
         self.copies += 1
 
     def _make_call(self, call: Call) -> None:
-        """Make a call of original and copy and compare what comes of it."""
+        """Make a call of original and copy and compare the outcomes."""
         name, *arguments = call
         self._history.append(call)
         self.calls += 1
