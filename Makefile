@@ -38,7 +38,7 @@ docs: $(VENV)/installed-docs
 	$(BIN)/python -m seat_cosim.reference
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 
-fuzz: $(VENV)/installed-test
+fuzz: $(VENV)/installed-fuzz
 	$(BIN)/seat-cosim build
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.system.hostile.fuzz --minutes $(MINUTES)
 
@@ -60,6 +60,10 @@ $(VENV)/installed: $(VENV)/python pyproject.toml
 
 $(VENV)/installed-test: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native,test]"
+	@touch $@
+
+$(VENV)/installed-fuzz: $(VENV)/installed-test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[fuzz]" || echo "not installed: atheris"
 	@touch $@
 
 $(VENV)/installed-release: $(VENV)/installed

@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from hypothesis import strategies as st
 
 from cosim import System
@@ -23,6 +24,7 @@ from cosim.errors import SetupError, reading
 from cosim.fmi.description import ModelDescription
 from cosim.manifest import Manifest
 from cosim.results import formats
+from cosim.results.result import Result
 from cosim.ssp import read_parameters
 from fmus.component import ParameterError
 from plant_models.parameter_sets import path as parameter_set
@@ -50,6 +52,8 @@ class Reader:
     ----------
     file
         What a file is called.
+    valid
+        Contents that can be read.
     spoiled
         Draws the contents.
     read
@@ -61,6 +65,7 @@ class Reader:
     """
 
     file: str
+    valid: tuple[bytes, ...]
     spoiled: st.SearchStrategy[bytes]
     read: Callable[[Path], Any]
     refusals: tuple[type[Exception], ...] = (SetupError,)
@@ -124,43 +129,73 @@ def readers(built: Path, folder: Path) -> dict[str, Reader]:
     description = Manifest.of(system, RunOptions(1.0, parameters={"seat.driver_mass": 70.0}))
     description.write(folder)
     set_of_parameters = parameter_set("passive").read_bytes()
+    archives = tuple(_small(path) for path in (fmu, older))
     rows = ["time,seat.driver_acceleration,controller.force", *(f"{0.002 * k},{0.1 * k},{-k}.5" for k in range(8))]
+    table = "\n".join(rows).encode()
     preset = gains.preset("published").to_json().encode()
     return {
         "ssp": Reader(
             "system.ssp",
+            (_small(ssp),),
             _xml_in(_small(ssp), "SystemStructure.ssd"),
             load_and_check,
             words=("simulate", "FILE", "--stop-time", "0.01"),
         ),
-        "ssd": Reader("system.ssd", spoiling.spoiled_xml(structure), load_and_check, words=("simulate", "FILE")),
+        "ssd": Reader(
+            "system.ssd",
+            (structure,),
+            spoiling.spoiled_xml(structure),
+            load_and_check,
+            words=("simulate", "FILE"),
+        ),
         "ssv": Reader(
             "values.ssv",
+            (set_of_parameters,),
             spoiling.spoiled_xml(set_of_parameters),
             partial(read_parameters, structure=system),
             words=("run", "bump", "--fmus", str(built), "--parameters", "FILE"),
         ),
         "fmu": Reader(
             "it.fmu",
-            st.one_of(*(_xml_in(_small(path), "modelDescription.xml") for path in (fmu, older))),
+            archives,
+            st.one_of(*(_xml_in(archive, "modelDescription.xml") for archive in archives)),
             read_and_use,
             words=("simulate", str(ssp), "--replace", "seat=FILE"),
         ),
         "gains": Reader(
             "gains.json",
+            (preset,),
             spoiling.spoiled_json(preset),
             gains.load,
             (gains.GainsError,),
             words=("run", "bump", "--fmus", str(built), "--gains", "FILE"),
         ),
-        "manifest": Reader("run.json", spoiling.spoiled_json(manifest.read_bytes()), rebuild, words=("rerun", "FILE")),
-        "result": Reader("result.csv", spoiling.spoiled_csv("\n".join(rows).encode()), formats.read_table),
+        "manifest": Reader(
+            "run.json",
+            (manifest.read_bytes(),),
+            spoiling.spoiled_json(manifest.read_bytes()),
+            rebuild,
+            words=("rerun", "FILE"),
+        ),
+        "result": Reader("result.csv", (table,), spoiling.spoiled_csv(table), formats.read_table),
+        **{name: _table_reader(name, folder) for name in ("parquet", "mdf4")},
         "recording": Reader(
             "floor.csv",
+            tuple(recordings()),
             st.one_of(*(spoiling.spoiled_csv(data) for data in recordings())),
             Replayed(folder).compare,
         ),
     }
+
+
+def _table_reader(name: str, folder: Path) -> Reader:
+    """Name the reader of a format whose files a package reads."""
+    time = np.linspace(0.0, 0.1, 8)
+    written = Result(time, {"seat.x": time**2, "controller.y": -time}, {"seat.x": "m", "controller.y": None})
+    with tempfile.TemporaryDirectory(dir=folder) as own:
+        path = written.save(Path(own), [name]).with_suffix(formats.FORMATS[name].suffix)
+        valid = path.read_bytes()
+    return Reader(path.name, (valid,), spoiling.spoiled_bytes(valid), formats.read_table)
 
 
 def _small(path: Path) -> bytes:
@@ -243,8 +278,8 @@ def _limited() -> Iterator[None]:
         signal.alarm(0)
 
 
-def reads_or_refuses(reader: Reader, data: bytes, folder: Path) -> bool:
-    """Have a file read; returns whether it was.
+def reads_or_refuses(reader: Reader, data: bytes, folder: Path, *, with_command: bool = True) -> bool:
+    """Have a file read, and refused by its command too if there is one; returns whether it was read.
 
     Raises
     ------
@@ -264,7 +299,7 @@ def reads_or_refuses(reader: Reader, data: bytes, folder: Path) -> bool:
     assert _found(folder) == before
     if refusal is not None:
         assert reader.file in refusal
-        if reader.words:
+        if reader.words and with_command:
             assert _shell(*(word.replace("FILE", str(path)) for word in reader.words)) == (2, 1), refusal
             assert _found(folder) == before
     return refusal is None

@@ -30,7 +30,7 @@ from hypothesis.errors import HypothesisWarning
 from hypothesis.stateful import run_state_machine_as_test
 
 from seat_cosim.components import COMPONENTS
-from tests.system.hostile import extracted_fmus, file_properties, fmu_properties
+from tests.system.hostile import extracted_fmus, file_properties, fmu_properties, guided
 from tests.system.hostile.caller import Caller
 from tests.system.hostile.extracted_fmus import FLAVOURS, ExtractedFmu
 
@@ -44,7 +44,7 @@ NAMES = [f"{flavour}/{component.name}" for flavour in FLAVOURS for component in 
 TARGETS = (
     *(f"{kind}/{name}" for kind in ("values", "calls", "states") for name in NAMES),
     *(f"{kind}/{name}/sanitized" for kind in ("calls", "states") for name in NAMES if not name.startswith("python")),
-    *(f"readers/{name}" for name in ("ssp", "ssd", "ssv", "fmu", "gains", "manifest", "result", "recording")),
+    *(f"readers/{name}" for name in (*guided.READERS, "parquet", "mdf4", "recording")),
 )
 """What can be run, by name."""
 
@@ -263,10 +263,23 @@ def _rounds(target: str, built: Path, number: int, cases: int | None, seconds: f
     """Run a target until its time is over, anew after each find."""
     until = time.monotonic() + seconds
     while True:
-        yield (outcome := play([target], built, number, cases, until - time.monotonic()))
+        left = until - time.monotonic()
+        if target in guided.TARGETS:
+            outcome = _guided(target, built, number, left)
+        else:
+            outcome = play([target], built, number, cases, left)
+        yield outcome
         number += 1_000_000
         if cases is not None or outcome.found is None or time.monotonic() > until:
             return
+
+
+def _guided(target: str, built: Path, number: int, seconds: float) -> Outcome:
+    begin = os.times()
+    found = guided.play(target, built, number, seconds)
+    end = os.times()
+    spent = end.children_user + end.children_system - begin.children_user - begin.children_system
+    return Outcome(found.cases, spent, found.found)
 
 
 def main() -> None:
@@ -283,10 +296,15 @@ def main() -> None:
     if given_.work:
         until = time.monotonic() + 60.0 * given_.minutes
         work(given_.words, Place(given_.built, given_.work), number, given_.cases, until)
-    chosen = [name for name in TARGETS if not given_.words or any(word in name for word in given_.words)]
+    chosen = [
+        name for name in (*TARGETS, *guided.TARGETS) if not given_.words or any(word in name for word in given_.words)
+    ]
     finds = 0
     print(f"seed {number}\n{'target':36} {'cases':>9} {'seconds':>8} {'finds':>6}", flush=True)
     for target in chosen:
+        if target in guided.TARGETS and (tool := guided.missing(target)):
+            print(f"{target:36} not run: expected {tool}, got none", flush=True)
+            continue
         outcomes = [*_rounds(target, given_.built.absolute(), number, given_.cases, 60.0 * given_.minutes)]
         found = [outcome.found for outcome in outcomes if outcome.found is not None]
         finds += len(found)
