@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from seat_cosim.plotting import REPRODUCIBLE, save
@@ -55,8 +55,9 @@ def draw_heat_maps(paths: Iterable[Path], maps: Sequence[HeatMap]) -> None:
         Maps from top to bottom.
     """
     height = sum(0.8 + 0.28 * len(each.rows) for each in maps)
-    with plt.rc_context(_STYLE):
-        figure, axes = plt.subplots(len(maps), 1, squeeze=False, figsize=(6.4, height), layout="constrained")
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(6.4, height), layout="constrained")
+        axes = figure.subplots(len(maps), 1, squeeze=False)
         for axis, each in zip(axes[:, 0], maps, strict=True):
             colours = mpl.colormaps["RdBu_r"](each.values / _LARGEST)
             axis.imshow(1.0 - _STRENGTH * (1.0 - colours[..., :3]), aspect="auto", interpolation="nearest")

@@ -8,10 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-
-mpl.use("Agg")
-
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -161,15 +157,10 @@ def draw(
         Further files of the same figure.
     """
     own = any(panel.x_label for panel in panels)
-    with plt.rc_context(_STYLE):
-        figure, axes = plt.subplots(
-            len(panels),
-            1,
-            sharex=not own,
-            squeeze=False,
-            figsize=(width, 1.2 + 2.1 * len(panels)),
-            layout="constrained",
-        )
+    with mpl.rc_context(_STYLE):
+        # without pyplot: a notebook keeps its own figures and backend
+        figure = Figure(figsize=(width, 1.2 + 2.1 * len(panels)), layout="constrained")
+        axes = figure.subplots(len(panels), 1, sharex=not own, squeeze=False)
         for axis, panel in zip(axes[:, 0], panels, strict=True):
             _fill(axis, panel, log, int(_LEGEND_WIDTH * width))
             if own:
@@ -180,7 +171,7 @@ def draw(
 
 
 def save(figure: Figure, paths: Iterable[Path], dpi: float | None = None) -> None:
-    """Save a figure without dates and versions, and close it.
+    """Save a figure without dates and versions.
 
     Parameters
     ----------
@@ -194,7 +185,6 @@ def save(figure: Figure, paths: Iterable[Path], dpi: float | None = None) -> Non
     for path in paths:
         figure.savefig(path, dpi=dpi or "figure", metadata=_UNDATED[path.suffix])
         figure.set_layout_engine("none")  # once is enough
-    plt.close(figure)
 
 
 _UNDATED: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}

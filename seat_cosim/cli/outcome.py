@@ -51,6 +51,15 @@ _OPTIONS = (
 )
 
 
+OVERVIEW = "overview.png"
+"""Name of a run's figure."""
+
+figure_option = click.option(
+    "--figure/--no-figure", "with_figure", default=True, show_default=True, help=f"Draw {OVERVIEW}."
+)
+"""Gives a command ``with_figure``."""
+
+
 def output_options(command: Command) -> Command:
     """Give a command ``--quiet`` and ``--json``; it gets ``quiet`` and ``as_json``."""
     return reduce(lambda decorated, option: option(decorated), reversed(_OPTIONS), command)
@@ -76,8 +85,6 @@ class Outcome:
         Rows of :func:`seat_cosim.ride_summary.signal_table`, for such a system.
     next_command
         What a user may want to do next.
-    files
-        What lies in the folder, in words.
     """
 
     folder: Path
@@ -87,7 +94,6 @@ class Outcome:
     rides: Mapping[str, RideSummary] = field(default_factory=dict)
     signals: list[tuple[str, ...]] = field(default_factory=list)
     next_command: str | None = None
-    files: str = "rows and figure"
 
 
 def print_run(outcome: Outcome, options: OutputOptions) -> None:
@@ -116,7 +122,8 @@ def print_run(outcome: Outcome, options: OutputOptions) -> None:
         for row in outcome.signals:
             table.add_row(*row)
         console.print(table)
-    console.print(f"{len(outcome.result.time)} {outcome.files} in {outcome.folder}", soft_wrap=True)
+    files = "rows and figure" if (outcome.folder / OVERVIEW).exists() else "rows"
+    console.print(f"{len(outcome.result.time)} {files} in {outcome.folder}", soft_wrap=True)
     if outcome.next_command:
         console.print(f"next: {outcome.next_command}", soft_wrap=True, markup=False)
 

@@ -18,7 +18,7 @@ from seat_cosim.cli.console import command_line, print_warnings, progress_shown
 from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.folders import choose_folder, force_option
 from seat_cosim.cli.options import check_run_options, run_options, settings
-from seat_cosim.cli.outcome import Outcome, OutputOptions, output_options, print_run
+from seat_cosim.cli.outcome import OVERVIEW, Outcome, OutputOptions, figure_option, output_options, print_run
 from seat_cosim.cli.seat_options import OPTIONS, SeatOptions, seat_options
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained, notes_after, notes_before
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     help="Show the numbers of the same ride on the passive seat [default: passive for bump and random].",
 )
 @output_options
+@figure_option
 @force_option
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/run/SCENARIO].")
 def run(
@@ -50,6 +51,7 @@ def run(
     compare: str | None,
     quiet: bool,
     as_json: bool,
+    with_figure: bool,
     force: bool,
     output: Path | None,
     **how: Any,
@@ -89,10 +91,12 @@ def run(
         if result.error is not None:
             print_warnings(warnings)
             raise result.error
-        report("figure")
-        from seat_cosim.overview import draw_scenario  # takes long to load
+        (folder / OVERVIEW).unlink(missing_ok=True)
+        if with_figure:
+            report("figure")
+            from seat_cosim.overview import draw_scenario  # takes long to load
 
-        draw_scenario(folder / "overview.png", scenario, system, result)
+            draw_scenario(folder / OVERVIEW, scenario, system, result)
         report("numbers")
         rides = _rides(system, result, options, seat, compare or _default_comparison(scenario, seat, how))
     outcome = Outcome(

@@ -30,7 +30,7 @@ from seat_cosim.cli.options import (
     set_option,
 )
 from seat_cosim.cli.options import settings as read_settings
-from seat_cosim.cli.outcome import OutputOptions, output_options, print_run, simulated
+from seat_cosim.cli.outcome import OVERVIEW, OutputOptions, figure_option, output_options, print_run, simulated
 from seat_cosim.cli.paths import with_user_paths
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import notes_before
@@ -59,6 +59,7 @@ from seat_cosim.scenarios import read_parameter_sets
 @click.option("--record", multiple=True, metavar="A.x", help="Record this output [default: all]; repeatable.")
 @run_options
 @output_options
+@figure_option
 @force_option
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.ssp", help="Write the system as it is run.")
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/simulate/NAME].")
@@ -77,6 +78,7 @@ def simulate(
     algorithm: Algorithm | None,
     order: str | None,
     record: tuple[str, ...],
+    with_figure: bool,
     save: Path | None,
     output: Path | None,
     **how: Any,
@@ -127,9 +129,11 @@ def simulate(
             **how,
         )
         result = run_to_folder(system, folder, options, command=command_line())
-    from seat_cosim.overview import draw_system  # takes long to load
+    (folder / OVERVIEW).unlink(missing_ok=True)
+    if with_figure:
+        from seat_cosim.overview import draw_system  # takes long to load
 
-    draw_system(folder / "overview.png", system, result, record)
+        draw_system(folder / OVERVIEW, system, result, record)
     if how["real_time"] and shown.prints_text:
         console.print(f"{result.missed_deadlines} deadlines missed, the worst by {result.worst_lateness * 1e3:.1f} ms")
     print_run(simulated(system, folder, result, notes), shown)

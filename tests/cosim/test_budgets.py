@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import io
-import subprocess
-import sys
-import time
 import zipfile
 from pathlib import Path
 
 import pytest
 
+from benchmarks.large_description import measure, with_variables
 from cosim import System
 from cosim.conformance.suite import validate
 from cosim.errors import SetupError, did_you_mean
@@ -23,49 +21,12 @@ from seat_cosim.scenarios import seat_suspension
 MIB = 2**20
 
 
-def with_description(fmu: Path, target: Path, old: str, new: str) -> Path:
-    """Copy an FMU with a change of its description."""
-    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as copy:
-        for name in source.namelist():
-            content = source.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(old.encode(), new.encode(), 1)
-            copy.writestr(name, content)
-    return target
-
-
-def with_variables(fmu: Path, target: Path, count: int) -> Path:
-    """Copy an FMU with more local variables."""
-    two = "<ScalarVariable" in zipfile.ZipFile(fmu).read("modelDescription.xml").decode()
-    form = (
-        '<ScalarVariable name="part{0}.x{1}" valueReference="{2}" causality="local"><Real unit="m"/></ScalarVariable>'
-        if two
-        else '<Float64 name="part{0}.x{1}" valueReference="{2}" causality="local" unit="m"/>'
-    )
-    more = "\n".join(form.format(i % 97, i, 100_000 + i) for i in range(count))
-    return with_description(fmu, target, "</ModelVariables>", f"{more}</ModelVariables>")
-
-
-MEASURE = """
-import resource, sys
-from pathlib import Path
-from cosim.conformance.suite import validate
-validate(Path(sys.argv[1]))
-usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-print(sum(u.ru_utime + u.ru_stime for u in usage), max(u.ru_maxrss for u in usage) / 1024)
-"""
-
-
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.builds
 @pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
-def test_a_description_of_100_000_variables_is_validated_in_10_s_and_500_mb(native: Path, tmp_path: Path, flavour: str):
+def test_a_description_of_100_000_variables_is_validated_in_500_mb(native: Path, tmp_path: Path, flavour: str):
     path = with_variables(native / flavour / "SeatPlant.fmu", tmp_path / "large.fmu", 100_000)
-    command = [sys.executable, "-c", MEASURE, str(path)]
-    found = subprocess.run(command, capture_output=True, text=True, check=True, env={"PYTHONPATH": ":".join(sys.path)})
-    seconds, megabytes = map(float, found.stdout.split())
-    assert seconds < 10.0
-    assert megabytes < 500.0
+    assert measure(path).megabytes < 500.0
 
 
 @pytest.mark.builds
@@ -121,10 +82,8 @@ def test_archives_in_archives_are_refused_before_they_unfold(native: Path, tmp_p
                     new.writestr("modelDescription.xml", description + b" " * (30 * MIB))
                 content = out.getvalue()
             target.writestr(name, content, 8)
-    begin = time.process_time()
     with pytest.raises(SetupError, match="expected documents of at most 100 times the size of the file, got .* MiB"):
         System.load(tmp_path / "bomb.ssp")
-    assert time.process_time() - begin < 2.0
 
 
 @pytest.mark.builds
@@ -147,9 +106,7 @@ def test_what_an_fmu_in_a_system_unfolds_to_is_compared_with_the_file_on_disk(
 
 def test_suggestions_cost_little_whatever_the_number_of_names():
     names = [f"part{i % 97}.signal_{i}" for i in range(100_000)]
-    begin = time.process_time()
     for i in range(1000, 11_000):
         found = did_you_mean(f"part{i % 97}.signl_{i}", names)
         assert (f"signal_{i}" in found) if i < 1020 else not found
-    assert time.process_time() - begin < 5.0
     assert did_you_mean("seet", ["seat", "shaker"]) == " (did you mean seat?)"

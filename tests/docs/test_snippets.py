@@ -14,11 +14,15 @@ from tests.docs.test_tutorial import RUNNERS, blocks, run
 from tests.helpers.paths import ROOT
 
 LONG = (
+    "docs/explanation/calibration.md",
     "docs/how-to/choose-an-excitation.md",
     "docs/how-to/design-gains.md",
     "docs/how-to/evaluate-a-system.md",
+    "docs/how-to/record-runs.md",
+    "docs/how-to/replace-a-component.md",
     "docs/how-to/reproduce-the-paper.md",
     "docs/how-to/set-parameters-and-gains.md",
+    "examples/controllers/README.md",
 )
 """Pages whose commands take long; they run in ``make test-all``."""
 

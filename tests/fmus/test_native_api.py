@@ -15,6 +15,9 @@ from tests.helpers.paths import NATIVE, ROOT
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wno-type-limits", "-Werror"]  # a model may have no inputs
 
+UNDER_VALGRIND = {("SeatController", "fmi2"), ("Shaker", "fmi3")}
+"""Those for every run of the tests, to which the sanitizers add most."""
+
 pytestmark = [pytest.mark.builds, pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")]
 
 
@@ -43,8 +46,15 @@ def test_walk_through_the_api_is_silent_under_sanitizers(component: Component, f
 
 
 @pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is not installed")
-@pytest.mark.parametrize("flavour", NATIVE)
-@pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.name)
+@pytest.mark.parametrize(
+    ("component", "flavour"),
+    [
+        pytest.param(c, flavour, marks=[] if (c.name, flavour) in UNDER_VALGRIND else [pytest.mark.long])
+        for c in COMPONENTS
+        for flavour in NATIVE
+    ],
+    ids=lambda value: getattr(value, "name", value),
+)
 def test_walk_through_the_api_is_silent_under_valgrind(component: Component, flavour: str, tmp_path: Path):
     program = test_program(flavour, component, tmp_path, "-O1")
     command = ["valgrind", "--quiet", "--leak-check=full", "--error-exitcode=9", str(program)]

@@ -18,9 +18,10 @@ class Shell:
         self.capfd = capfd
         self.fmus = fmus
 
-    def __call__(self, *words: str, fmus: bool = True) -> tuple[int, str, str]:
+    def __call__(self, *words: str, fmus: bool = True, figure: bool = False) -> tuple[int, str, str]:
         where = ["--fmus", str(self.fmus)] if fmus and words[:1] in (("run",), ("reproduce",), ("evaluate",)) else []
-        self.monkeypatch.setattr(sys, "argv", ["seat-cosim", *words, *where])
+        drawn = ["--no-figure"] if words[:1] in (("run",), ("simulate",)) and not figure else []  # takes a second
+        self.monkeypatch.setattr(sys, "argv", ["seat-cosim", *words, *where, *drawn])
         with pytest.raises(SystemExit) as end:
             cli.main()
         out, err = self.capfd.readouterr()

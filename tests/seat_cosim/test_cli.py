@@ -57,13 +57,16 @@ def test_run_applies_its_options_in_their_order(shell: Shell, tmp_path: Path):
         "controller.driver_mass=60",
         "--stop-time",
         "0.1",
+        figure=True,
     )
     assert code == 0
-    assert "51 rows" in out
+    assert "51 rows and figure" in out
     folder = tmp_path / "results" / "run" / "sine"
     assert {path.name for path in folder.iterdir()} == {"result.csv", "run.json", "overview.png"}
-    assert shell("run", "sine", "--control", "off", "--stop-time", "0.1", "--output", "off")[0] == 0
-    assert not read_csv(tmp_path / "off" / "result.csv")["controller.force"].any()
+    again = ("--control", "off", "--stop-time", "0.1", "--output", str(folder), "--force")
+    assert "51 rows in" in shell("run", "sine", *again)[1]
+    assert {path.name for path in folder.iterdir()} == {"result.csv", "run.json"}  # no figure of another run stays
+    assert not read_csv(folder / "result.csv")["controller.force"].any()
 
 
 @pytest.mark.parametrize(

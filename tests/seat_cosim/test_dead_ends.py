@@ -162,7 +162,7 @@ def test_controllers_are_compared_in_one_table_and_figure(shell: Shell, native: 
     assert (folder / "observer2" / "result.csv").is_file()
     code, _, err = shell("compare", "best", *where)
     assert code == 2
-    assert "or one of observer1, observer2, off, passive, FILE.fmu" in err
+    assert "or one of observer1, observer2, robust, off, passive, FILE.fmu" in err
     assert "got published twice" in shell("compare", "published", "published", *where)[2]
 
 

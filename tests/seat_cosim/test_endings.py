@@ -23,7 +23,10 @@ from tests.helpers.waiting import wait_until
 pytestmark = [pytest.mark.skipif(os.name != "posix", reason="signals and locks of POSIX"), pytest.mark.builds]
 
 COMMAND = [sys.executable, "-m", "seat_cosim"]
-LONG = ("run", "random", "--stop-time", "100000", "--record-every", "50")
+UNIGNORED = ["env", "--default-signal=HUP,INT,TERM"]
+"""Before a command: a job in the background, as these tests may be one, ignores some signals."""
+
+LONG = ("run", "random", "--stop-time", "100000", "--record-every", "50", "--no-figure")
 
 
 @pytest.fixture
@@ -35,7 +38,7 @@ def environment(tmp_path: Path) -> dict[str, str]:
 @pytest.fixture
 def running(native: Path, tmp_path: Path, environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
     """A long run whose rows have begun to come."""
-    command = [*COMMAND, *LONG, "--fmus", str(native), "--output", "out"]
+    command = [*UNIGNORED, *COMMAND, *LONG, "--fmus", str(native), "--output", "out"]
     with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as process:
         partial = tmp_path / "out" / "result.partial.csv"
         try:
@@ -92,7 +95,12 @@ def test_a_killed_run_leaves_rows_and_the_next_run_cleans_up(
     assert temporary_folders.leftovers() == []  # too young
     age(folder, 3600.0)
     assert temporary_folders.leftovers() == [folder]
-    again = execute(["run", "bump", "--stop-time", "0.1", "--output", "out", "--force"], tmp_path, environment, native)
+    again = execute(
+        ["run", "bump", "--stop-time", "0.1", "--output", "out", "--force", "--no-figure"],
+        tmp_path,
+        environment,
+        native,
+    )
     assert (again.returncode, json.loads(record.read_text())["complete"]) == (0, True)
     assert list((tmp_path / "temporary").iterdir()) == []
 
@@ -122,7 +130,7 @@ def test_doctor_cleans_what_killed_runs_left_and_nothing_else(
         (temporary / "seat-cosim-dead" / "lock").touch()
         age(temporary / "seat-cosim-dead", 3600.0)
         age(live, 3600.0)
-        shown = execute(["doctor"], tmp_path, environment, native)
+        shown = execute(["doctor", "--json"], tmp_path, environment, native)
         assert b"1 of killed runs there" in shown.stdout
         execute(["doctor", "--clean"], tmp_path, environment, native)
         assert session.run(0.1, 0.002).complete
@@ -133,7 +141,7 @@ def test_doctor_cleans_what_killed_runs_left_and_nothing_else(
 def test_a_folder_is_one_runs(
     running: subprocess.Popen[str], tmp_path: Path, environment: dict[str, str], native: Path
 ):
-    words = ["run", "bump", "--stop-time", "0.1", "--output", "out", "--force"]
+    words = ["run", "bump", "--stop-time", "0.1", "--output", "out", "--force", "--no-figure"]
     second = execute(words, tmp_path, environment, native)
     assert second.returncode == 2
     expected = "seat-cosim: error: out: expected a folder that no other run writes to, got that of a run in process"
@@ -150,7 +158,20 @@ def test_many_runs_into_one_folder_at_once_leave_one_whole_result(
     tmp_path: Path, environment: dict[str, str], native: Path
 ):
     commands = [
-        [*COMMAND, "run", "bump", "--stop-time", "1", "--output", "out", "--fmus", str(native), "--driver-mass", mass]
+        [
+            *COMMAND,
+            "run",
+            "bump",
+            "--stop-time",
+            "1",
+            "--output",
+            "out",
+            "--fmus",
+            str(native),
+            "--driver-mass",
+            mass,
+            "--no-figure",
+        ]
         for mass in ("55", "60", "70")
     ]
     processes = [
@@ -173,10 +194,14 @@ ENCODINGS = {
     "narrow": {"COLUMNS": "5", "PYTHONIOENCODING": "ascii"},
     "dumb": {"TERM": "dumb", "NO_COLOR": "1"},
 }
+SOME = ("C", "narrow")
+"""Those for every run of the tests."""
 
 
-@pytest.mark.parametrize("name", ENCODINGS)
-@pytest.mark.parametrize("words", [("run", "bump", "--stop-time", "0.1"), ("doctor",)])
+@pytest.mark.parametrize(
+    "name", [*SOME, *(pytest.param(name, marks=pytest.mark.long) for name in ENCODINGS if name not in SOME)]
+)
+@pytest.mark.parametrize("words", [("run", "bump", "--stop-time", "0.1", "--no-figure"), ("doctor",)])
 def test_no_console_makes_a_traceback(
     words: tuple[str, ...], name: str, tmp_path: Path, environment: dict[str, str], native: Path
 ):
@@ -186,6 +211,7 @@ def test_no_console_makes_a_traceback(
     assert b"\x1b" not in found.stdout + found.stderr
 
 
+@pytest.mark.long
 def test_a_table_with_signs_beyond_ascii_is_printed_in_ascii(tmp_path: Path, environment: dict[str, str], native: Path):
     found = execute(["reproduce", "table2"], tmp_path, {**environment, **ENCODINGS["ascii"]}, native)
     assert (found.returncode, found.stderr) == (0, b"")
@@ -198,11 +224,13 @@ def test_characters_that_an_encoding_has_not_are_replaced_by_similar_ones():
     assert text.encode("ascii", streams.ERRORS) == rb"m/s2 - 5 um x 2 ... naive \u03b1 \u263a"
 
 
-@pytest.mark.parametrize("closed", ["stdout", "stderr", "both"])
+@pytest.mark.parametrize(
+    "closed", ["both", *(pytest.param(name, marks=pytest.mark.long) for name in ("stdout", "stderr"))]
+)
 def test_pipes_that_nobody_reads_and_closed_streams_make_no_traceback(
     closed: str, tmp_path: Path, environment: dict[str, str], native: Path
 ):
-    words = " ".join([*COMMAND, "run", "bump", "--stop-time", "0.1", "--fmus", str(native)])
+    words = " ".join([*COMMAND, "run", "bump", "--stop-time", "0.1", "--no-figure", "--fmus", str(native)])
     redirections = {"stdout": ">&-", "stderr": "2>&-", "both": ">&- 2>&-"}[closed]
     found = subprocess.run(
         f"{words} {redirections}", shell=True, cwd=tmp_path, env=environment, capture_output=True, check=False
@@ -221,7 +249,7 @@ def test_pipes_that_nobody_reads_and_closed_streams_make_no_traceback(
 
 def test_a_full_disk_behind_standard_output_is_exit_code_1(tmp_path: Path, environment: dict[str, str], native: Path):
     with Path("/dev/full").open("wb") as full:
-        command = [*COMMAND, "run", "bump", "--stop-time", "0.1", "--fmus", str(native)]
+        command = [*COMMAND, "run", "bump", "--stop-time", "0.1", "--no-figure", "--fmus", str(native)]
         found = subprocess.run(command, cwd=tmp_path, env=environment, stdout=full, stderr=subprocess.PIPE, check=False)
     assert found.returncode == 1
     assert b"Traceback" not in found.stderr

@@ -300,7 +300,7 @@ def test_a_ride_that_fails_is_named(shell: Shell, tmp_path: Path):
     assert (code, out) == (1, "")
     assert len(err.splitlines()) == 1
     assert "SeatSuspension, EM3, 80 kg, seed 4: " in err
-    assert not list((tmp_path / "out").iterdir())
+    assert not list((tmp_path / "out").glob("*"))
 
 
 def test_a_folder_that_cannot_be_written_to_is_refused_before_anything_runs(shell: Shell, tmp_path: Path):

@@ -64,7 +64,9 @@ def test_the_table_stands_beside_the_passive_seat_and_ends_with_a_command(shell:
 
 def test_the_comparison_changes_nothing_of_the_run(shell: Shell, tmp_path: Path):
     for compare in ("none", "passive"):
-        assert shell("run", "bump", "--parameters", "load", "--compare", compare, "--output", compare)[0] == 0
+        assert (
+            shell("run", "bump", "--parameters", "load", "--compare", compare, "--output", compare, figure=True)[0] == 0
+        )
     for name in ("result.csv", "overview.png"):
         assert (tmp_path / "none" / name).read_bytes() == (tmp_path / "passive" / name).read_bytes()
 

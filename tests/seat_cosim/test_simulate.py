@@ -26,7 +26,7 @@ def ssp(native: Path, shell: Shell, tmp_path: Path) -> str:
 
 
 def test_a_system_runs_as_its_file_says(shell: Shell, ssp: str, tmp_path: Path):
-    code, out, err = shell("simulate", ssp)
+    code, out, err = shell("simulate", ssp, figure=True)
     assert (code, err) == (0, "")
     assert "components step in the order controller, seat, shaker\n" in out
     folder = tmp_path / "results" / "simulate" / "Seat"

@@ -11,7 +11,6 @@ import pytest
 
 import cosim
 import fmus
-from benchmarks.start_up import COMMANDS, cpu_time
 from seat_cosim.carried import DEFAULT_FLAVOUR
 from seat_cosim.cli import main
 from seat_cosim.cli.lazy_group import LazyGroup
@@ -27,13 +26,6 @@ def python(*words: str) -> subprocess.CompletedProcess[str]:
 def test_nothing_slow_is_loaded_before_it_is_used(script: str):
     found = python("-c", f"{script}\nimport sys\nprint(*sorted({SLOW!r} & set(sys.modules)))")
     assert (found.returncode, found.stdout.strip()) == (0, "")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name, (_, bound) in COMMANDS.items() if bound])
-def test_the_bounds_are_kept(name: str):
-    words, bound = COMMANDS[name]
-    assert min(cpu_time(words) for _ in range(3)) < bound
 
 
 def test_a_folder_of_fmus_where_the_user_stands_shadows_nothing(tmp_path: Path):

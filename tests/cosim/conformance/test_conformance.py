@@ -50,7 +50,9 @@ def test_native_fmus_conform(native: Path, runner: RuleRunner, flavour: str, nam
     }
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name == "SeatController" else [pytest.mark.long]) for name in NAMES]
+)
 def test_python_fmus_conform_but_for_what_pythonfmu_does(fmus: Path, runner: RuleRunner, name: str):
     found = validate(fmus / f"{name}.fmu", runner=runner)
     assert {finding.rule for finding in found.findings} <= PYTHONFMU, messages(found)

@@ -116,7 +116,9 @@ def test_a_wrong_Q_fails():
         assert certify(replace(good, Q=Q), nominal_seat).problems
 
 
-@pytest.mark.parametrize(("row", "column"), [(0, 1), (0, 4), (1, 4)])
+@pytest.mark.parametrize(
+    ("row", "column"), [(0, 4), pytest.param(0, 1, marks=pytest.mark.long), pytest.param(1, 4, marks=pytest.mark.long)]
+)
 def test_a_flipped_off_diagonal_entry_of_the_inequality_fails(
     certificate: module.Certificate, monkeypatch: pytest.MonkeyPatch, row: int, column: int
 ):

@@ -43,7 +43,9 @@ def built(fmu_folder: Path, native: Path, fmus: Path) -> Path:
     return fmu_folder
 
 
-@pytest.mark.parametrize("group", groups())
+@pytest.mark.parametrize(
+    "group", [pytest.param(name, marks=[pytest.mark.long] if name == "values/python" else []) for name in groups()]
+)
 def test_property_holds(group: str, built: Path):
     if group == "readers" and not extracted_fmus.can_sanitize():
         pytest.skip("gcc is not installed")
