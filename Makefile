@@ -4,14 +4,16 @@
 # make lint       style, types and the direction of imports; part of every kind of test
 # make docs       the documentation site into site/, strictly: nothing is fetched, every link leads somewhere
 # make fuzz       hostile input for MINUTES per target (1), see docs/reference/hostile-input.md
+# make LOCKED=1 …  the same with the versions of requirements/locked.txt; make lock renews them
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
 
 MINUTES ?= 1
+LOCK := requirements/locked.txt
 
-.PHONY: run lint test test-fast test-all docs fuzz wheel clean
+.PHONY: run lint test test-fast test-all docs fuzz wheel lock clean
 
 run: $(VENV)/installed
 	$(BIN)/seat-cosim build
@@ -50,8 +52,14 @@ wheel: $(VENV)/installed-release
 	SOURCE_DATE_EPOCH=315532800 $(BIN)/python -m build --outdir dist --sdist --wheel .
 	$(BIN)/python -m twine check --strict dist/*
 
+# The newest versions that pyproject.toml allows, for all platforms, with the hashes of their files.
+lock: $(VENV)/installed-release
+	$(BIN)/uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --generate-hashes \
+	    --no-header --no-annotate --quiet --upgrade --output-file $(LOCK)
+
 $(VENV)/python: Makefile
 	$(PYTHON) -m venv $(VENV)
+	$(if $(LOCKED),$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $(LOCK))
 	@touch $@
 
 $(VENV)/installed: $(VENV)/python pyproject.toml

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import runpy
 import shutil
 import subprocess
 import sys
 import zipfile
+from importlib.metadata import requires
 from pathlib import Path
 
 import pytest
@@ -110,6 +112,13 @@ def test_the_wheel_names_its_platform_and_is_reproducible(distributions: Path, t
         names = set(archive.namelist())
     for flavour in NATIVE:
         assert {f"fmus/built/{flavour}/{name}.fmu" for name in ("Shaker", "SeatPlant", "SeatController")} <= names
+        bill = json.loads(
+            archive.read(next(name for name in names if name.endswith("dist-info/sboms/seat-cosim.cdx.json")))
+        )
+    needed = [requirement for requirement in requires("seat-cosim") or [] if "extra ==" not in requirement]
+    assert bill["bomFormat"] == "CycloneDX"
+    assert {each["name"] for each in bill["components"]} >= {re.split(r"[^\w-]", text)[0] for text in needed}
+    assert "FMI headers" in {each["name"] for each in bill["components"]}
     assert "seat_cosim/examples/controllers/pid.py" in names
     stale = distributions / "project" / "build" / "lib" / "cosim" / "stale.py"
     stale.write_text("raise SystemExit\n")
