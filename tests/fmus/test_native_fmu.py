@@ -435,7 +435,13 @@ def test_every_function_of_the_standard_is_exported_and_nothing_else(
 
 
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="cmake is not installed")
-@each
+@pytest.mark.parametrize(
+    ("flavour", "component"),
+    [
+        pytest.param(f, c, id=f"{f}-{c.name}", marks=[] if c.name == "SeatController" else [pytest.mark.long])
+        for f, c in EACH
+    ],
+)
 def test_fmpy_compiles_the_shipped_sources_to_the_same(
     native: Path, flavour: str, component: Component, tmp_path: Path
 ):

@@ -124,6 +124,7 @@ def test_doctor_cleans_what_killed_runs_left_and_nothing_else(
         if name in ("dead", "young"):
             (folder / "lock").write_text("123")
         age(folder, seconds)
+    monkeypatch.setattr(temporary_folders, "_own", temporary_folders._ProcessFolder())  # as in a process of its own
     with seat_suspension(native / "fmi3").open() as session:
         (live,) = temporary.glob(f"seat-cosim-{os.getpid()}-*")
         (temporary / "seat-cosim-dead").mkdir(exist_ok=True)  # the session has removed it already

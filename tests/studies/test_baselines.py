@@ -110,6 +110,7 @@ def test_the_lqg_has_the_gains_of_its_weights():
     assert controller("Lqg").corner == LQG_CORNER
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_they_isolate_as_tuned(name: str, baselines: Path, shell: Shell, tmp_path: Path):
     """In a process of their own. SEAT on EM3, 80 kg: 0.55 uncontrolled, 0.26 with Observer 1."""

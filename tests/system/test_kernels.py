@@ -326,15 +326,22 @@ def test_the_controller_compiles_alone_in_single_precision(tmp_path: Path):
     )
 
 
+@pytest.fixture(scope="module")
+def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of all kernels, compiled."""
+    folder = tmp_path_factory.mktemp("objects")
+    compile_c(folder, "-std=c99", "-O2", *INCLUDES, "-c", *(str(ROOT / name) for name in KERNELS))
+    return folder
+
+
 @gcc
 @pytest.mark.parametrize("kernel", KERNELS)
-def test_kernels_hold_no_data_and_call_mathematics_only(kernel: str, tmp_path: Path):
+def test_kernels_hold_no_data_and_call_mathematics_only(kernel: str, objects: Path):
     """Mathematics and one another; those that prepare a recording also memory and files."""
-    compile_c(tmp_path, "-std=c99", "-O2", *INCLUDES, "-c", *(str(ROOT / name) for name in KERNELS))
     name = Path(kernel).with_suffix(".o").name
-    symbols = subprocess.run(["nm", name], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
-    objects = [path.name for path in tmp_path.glob("*.o")]
-    defined = subprocess.run(["nm", *objects], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    symbols = subprocess.run(["nm", name], cwd=objects, capture_output=True, text=True, check=True).stdout
+    compiled = [path.name for path in objects.glob("*.o")]
+    defined = subprocess.run(["nm", *compiled], cwd=objects, capture_output=True, text=True, check=True).stdout
     assert not re.findall(r" [BbDdCG] (\w+)", symbols), "writable data"
     known = {"sqrt", "sqrtf", "ceil", "floor", "tan", "atan", "sin", "cos", "sincos", "exp", "expm1", "log", "frexp"}
     known |= {"memmove", "memset", "memcpy"}

@@ -47,6 +47,9 @@ RESOLUTION = 0.25
 WARM_UP = 5.0
 """In s: then the motion is stationary."""
 
+OFTEN = ("EM1", "EM3", "EM9")
+"""Classes whose long realisations are computed in every run of the tests."""
+
 each = pytest.mark.parametrize("chosen", list(RandomClass), ids=lambda c: c.name)
 
 
@@ -99,7 +102,10 @@ def band_mean_square(found: np.ndarray, t: Tabulated) -> float:
     return float(power[(f >= t.low) & (f <= t.high)].sum())
 
 
-@each
+@pytest.mark.parametrize(
+    "chosen",
+    [pytest.param(c, id=c.name, marks=[] if c.name in OFTEN else [pytest.mark.long]) for c in RandomClass],
+)
 def test_each_class_has_its_rms_and_spectrum_over_10000_s(program: Path, chosen: RandomClass):
     found, t = acceleration(program, chosen, 1, 10_000.0), TABLE[chosen.name]
     rms = math.sqrt(band_mean_square(found, t))
