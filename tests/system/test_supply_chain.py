@@ -36,7 +36,7 @@ def locked() -> dict[str, str]:
     return dict(re.findall(r"^([\w.-]+)==(\S+)", text, re.MULTILINE))
 
 
-@pytest.mark.parametrize("wanted", requirements(), ids=str)
+@pytest.mark.parametrize("wanted", list(requirements()), ids=str)
 def test_the_locked_version_fits(wanted: Requirement):
     assert wanted.specifier.contains(Version(locked()[wanted.name.lower()])), "run: make lock"
 
@@ -68,6 +68,10 @@ def test_the_lowest_versions_pass_the_quick_tests(tmp_path: Path):
             str(python),
             "--resolution",
             "lowest-direct",
+            "--only-binary",
+            ":all:",
+            "--no-binary",
+            PROJECT["name"],
             "-e",
             f"{ROOT}[native,test]",
         ],

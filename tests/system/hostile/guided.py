@@ -1,16 +1,19 @@
 """Fuzzing that coverage guides: libFuzzer calls the native FMUs under sanitizers, atheris spoils files for the readers.
 
-Both are optional. Targets whose tool is not installed say so.
+Both are optional: targets whose tool is not installed say so. Two instances in two threads get changed seeds without
+guidance.
 """
 
 from __future__ import annotations
 
 import os
+import random
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -38,6 +41,8 @@ TARGETS = (
 """What can be run, by name."""
 
 _MAX_SIZE = 2048
+_BATCH = 100
+"""Inputs of one process, where they are not guided."""
 _START, _END, _TERMINATE, _RESET, _KEEP, _RESTORE, _SPOIL, _ANEW, _UNSUPPORTED = 0, 1, 2, 3, 4, 5, 7, 9, 11
 _SET, _STEP = 12, 20
 _RIDE = bytes([_START, 0, _END]) + bytes([_STEP, 0, 0]) * 40
@@ -75,6 +80,8 @@ def missing(target: str) -> str | None:
     """Return what a target needs and this machine does not have; None where nothing is missing."""
     if target.startswith("guided/readers"):
         return None if find_spec("atheris") else 'atheris (pip install "seat-cosim[fuzz]")'
+    if target.endswith("thread"):
+        return None if shutil.which("gcc") else "gcc"
     return None if shutil.which("clang") else "clang"
 
 
@@ -119,6 +126,8 @@ def play(target: str, built: Path, number: int, seconds: float) -> Outcome:
     """
     with tempfile.TemporaryDirectory(prefix="guided-") as name:
         folder = Path(name)
+        if target.endswith("thread"):
+            return _play_in_threads(target, folder, number, seconds)
         corpus = folder / "corpus"
         corpus.mkdir()
         if target.startswith("guided/readers"):
@@ -146,3 +155,29 @@ def play(target: str, built: Path, number: int, seconds: float) -> Outcome:
         return Outcome(
             0, f"{target}, seed {number}: ended with {run.returncode}\n{run.stderr[-20_000:]}\ninputs: {kept}"
         )
+
+
+def _play_in_threads(target: str, folder: Path, number: int, seconds: float) -> Outcome:
+    """Run changed seeds in two threads; without guidance, as libFuzzer's own counters are no atomic ones."""
+    compiled = program(target, folder / "program", ["gcc", "-DSTANDALONE"])
+    until, drawn, cases = time.monotonic() + seconds, random.Random(number), 0
+    while not cases or time.monotonic() < until:
+        inputs = [_changed(drawn) for _ in range(_BATCH)]
+        for i, content in enumerate(inputs):
+            (folder / str(i)).write_bytes(content)
+        words = [str(compiled), *(str(i) for i in range(_BATCH))]
+        run = subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace", check=False)
+        if run.returncode != 0 or run.stderr:
+            said = f"{target}, seed {number}: ended with {run.returncode}\n{run.stderr[-20_000:]}"
+            return Outcome(0, f"{said}\ninputs: {[content.hex() for content in inputs]}")
+        cases += _BATCH
+    return Outcome(cases)
+
+
+def _changed(drawn: random.Random) -> bytes:
+    """Join two seeds and change some bytes."""
+    one, other = (drawn.choice(list(SEEDS.values())) for _ in range(2))
+    content = bytearray(one[: drawn.randrange(len(one) + 1)] + other[drawn.randrange(len(other)) :])
+    for _ in range(drawn.randrange(8) if content else 0):
+        content[drawn.randrange(len(content))] = drawn.randrange(256)
+    return bytes(content)

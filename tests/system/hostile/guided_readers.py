@@ -6,14 +6,14 @@ import sys
 import tempfile
 from pathlib import Path
 
-import atheris
-
-with atheris.instrument_imports(include=["cosim", "seat_controller_fmu"]):
-    from tests.system.hostile import file_properties
-
 
 def main() -> None:
     """Give the reader whatever atheris makes of valid files, until the time is over or something is found."""
+    import atheris
+
+    with atheris.instrument_imports(include=["cosim", "seat_controller_fmu"]):  # before anything loads them
+        from tests.system.hostile import file_properties
+
     name, built, *options = sys.argv[1:]
     corpus = Path(options[-1])
     with tempfile.TemporaryDirectory() as own:

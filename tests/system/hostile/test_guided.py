@@ -55,4 +55,5 @@ def test_a_target_without_its_tool_says_so(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(guided.shutil, "which", lambda name: None)
     monkeypatch.setattr(guided, "find_spec", lambda name: None)
     assert guided.missing("guided/fmi2/Shaker/memory") == "clang"
+    assert guided.missing("guided/fmi2/Shaker/thread") == "gcc"
     assert "seat-cosim[fuzz]" in (guided.missing("guided/readers/ssv") or "")
