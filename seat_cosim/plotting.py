@@ -29,10 +29,13 @@ _STYLE: Any = {
     "lines.linewidth": 1.2,
     **REPRODUCIBLE,
 }
-_LEGEND_WIDTH = 14.0
-"""Characters of a legend that fit beside each other, for each inch of a figure's width."""
+_LABELS = 0.8
+"""Width that labels beside the axes take, in inches."""
 
-_LEGEND_MARGIN = 6
+_CHARACTERS = 15.0
+"""Characters of a legend that fit into an inch."""
+
+_SPACE = 6
 """Characters that line and space of a curve take in a legend."""
 
 
@@ -162,7 +165,7 @@ def draw(
         figure = Figure(figsize=(width, 1.2 + 2.1 * len(panels)), layout="constrained")
         axes = figure.subplots(len(panels), 1, sharex=not own, squeeze=False)
         for axis, panel in zip(axes[:, 0], panels, strict=True):
-            _fill(axis, panel, log, int(_LEGEND_WIDTH * width))
+            _fill(axis, panel, log, int(_CHARACTERS * (width - _LABELS)))
             if own:
                 axis.set_xlabel(panel.x_label or x_label)
         axes[-1, 0].set_xlabel(panels[-1].x_label or x_label)
@@ -207,6 +210,14 @@ def _fill(axis: Axes, panel: Panel, log: bool, characters: int) -> None:
         axis.grid(which="minor", alpha=0.15)
     names = [*(curve.name for curve in panel.curves), *panel.marks]
     if panel.legend or len(names) > 1:
-        columns = max(1, min(4, characters // (_LEGEND_MARGIN + max(map(len, names)))))
         # above the axes, where it hides no curve
-        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.0)
+        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=_columns(names, characters), borderaxespad=0.0)
+
+
+def _columns(names: Sequence[str], characters: int) -> int:
+    """Return how many columns of a legend fit into a line of so many characters: four at most."""
+    for count in (4, 3, 2):
+        columns = [column for column in np.array_split(names, count) if len(column)]  # as matplotlib fills them
+        if sum(max(map(len, column)) + _SPACE for column in columns) <= characters:
+            return count
+    return 1

@@ -1,4 +1,4 @@
-"""Beyond the paper: the simulated bump with anti-windup and with the recommended gains."""
+"""Beyond the paper: the simulated bump with anti-windup, with the recommended gains, and in mode robust."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from seat_cosim.paper.bump_test import Case
 from seat_cosim.paper.finding import Finding, Kind, Row
 from seat_cosim.paper.runner import DRIVER, HEAVY, LIGHT, ExperimentRunner
 from seat_cosim.plotting import Curve, Panel
-from seat_cosim.scenarios import SCENARIOS, observer
+from seat_cosim.scenarios import SCENARIOS, mode, observer
 
 _ANTI_WINDUP: Mapping[str, Value] = {"controller.anti_windup": True}
 _REMARKS = {
@@ -20,11 +20,12 @@ _REMARKS = {
     "its limit.",
     "recommended": "One set for all drivers from 45 to 120 kg, certified for delays of 38 ms where the published one, "
     "for 45 to 80 kg, has 24 ms.",
+    "robust": "It begins at rest, and the seat goes back to its centre after the bump.",
 }
 
 
 def beyond_the_paper(runner: ExperimentRunner) -> Iterator[Finding]:
-    """Run the bump of Fig. 5 with anti-windup and with the recommended gains, which the paper does not have.
+    """Run the bump of Fig. 5 with controllers that the paper does not have.
 
     Parameters
     ----------
@@ -55,6 +56,7 @@ def _cases(runner: ExperimentRunner) -> dict[str, Case]:
         "recommended": Case(
             "recommended gains, anti-windup", {**runner.recommended, **_ANTI_WINDUP}, {"color": "C1", "linestyle": "--"}
         ),
+        "robust": Case("mode robust", mode("robust", {}), {"color": "C3"}),
     }
 
 

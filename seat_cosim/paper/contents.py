@@ -128,7 +128,7 @@ CONTENTS = [
     Entry(
         "beyond",
         "Beyond the paper",
-        "Bump with anti-windup and the recommended gains",
+        "Bump with controllers that the paper does not have",
         "Its observer takes saturation for a part of the disturbance; it leaves a better anti-windup, and drivers "
         "whose mass is not known well, to further work.",
         in_paper=False,
