@@ -8,7 +8,10 @@ from pathlib import Path
 from cosim.results.result import Result
 from cosim.system import System
 from seat_cosim.plotting import Curve, Panel, by_unit, draw, literal
-from seat_cosim.scenarios import OVERVIEW
+from seat_cosim.scenarios import FMUS, OVERVIEW
+
+DRIVER = OVERVIEW["Acceleration"][0]
+"""The driver's acceleration."""
 
 
 def draw_scenario(path: Path, scenario: str, system: System, result: Result) -> None:
@@ -28,23 +31,31 @@ def draw_scenario(path: Path, scenario: str, system: System, result: Result) -> 
     draw(path, f"Seat suspension, {scenario}", _panels(system, result))
 
 
+def _is_ours(system: System, name: str) -> bool:
+    """Whether an output is one of this project's FMUs, whose main signals have panels of their own."""
+    return system.models[system.parse(name).component].description.modelName in FMUS.values()
+
+
 def _panels(system: System, result: Result) -> list[Panel]:
-    """Return the main signals of the seat suspension, earlier curves above later ones."""
-    return [
-        Panel(
-            f"{label} ({system.unit(signals[0])})",
-            result.time,
-            [Curve(signal, result[signal], {"zorder": 3.0 - 0.1 * i}) for i, signal in enumerate(signals)],
-            {},
-        )
-        for label, signals in OVERVIEW.items()
-    ]
+    """Return the main signals of the seat suspension that a result has, earlier curves above later ones."""
+    panels = []
+    for label, signals in OVERVIEW.items():
+        curves = [
+            Curve(signal, result[signal], {"zorder": 3.0 - 0.1 * i})
+            for i, signal in enumerate(signals)
+            if signal in result.values
+        ]
+        if curves:
+            unit = system.unit(curves[0].name)
+            panels.append(Panel(f"{label} ({unit})", result.time, curves, {}, legend=True))
+    return panels
 
 
 def draw_system(path: Path, system: System, result: Result, names: Iterable[str] = ()) -> None:
     """Draw signals of a run of any system; no figure is made where the result has none of them.
 
-    A system with all signals of the seat suspension gets their figure, if no names are given.
+    A system with a driver gets the figure of the seat suspension, and connected signals of other FMUs, if no names
+    are given.
 
     Parameters
     ----------
@@ -57,11 +68,12 @@ def draw_system(path: Path, system: System, result: Result, names: Iterable[str]
     names
         Outputs to draw; where empty, those that are connected.
     """
-    title, main = literal(system.name), [name for signals in OVERVIEW.values() for name in signals]
-    if not names and all(name in result.values for name in main):
-        draw(path, title, _panels(system, result))
-        return
     sources = dict.fromkeys(str(connection.source) for connection in system.connections.values())
-    shown = {name: result[name] for name in (names or sources) if name in result.values}
-    if shown:
-        draw(path, title, by_unit(result.time, shown, result.units))
+    panels = [] if names or DRIVER not in result.values else _panels(system, result)
+    if panels:  # what others feed the seat with
+        sources = dict.fromkeys(name for name in sources if not _is_ours(system, name))
+    drawn = {curve.name for panel in panels for curve in panel.curves}
+    shown = {name: result[name] for name in (names or sources) if name in result.values and name not in drawn}
+    panels += by_unit(result.time, shown, result.units)
+    if panels:
+        draw(path, literal(system.name), panels)

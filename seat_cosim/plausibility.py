@@ -50,7 +50,9 @@ _OUTSIDE = re.compile(r"driver_mass .*lies outside .*")
 _NUMBER = r"[^\d]*([\d.]+)"
 
 
-def notes_before(system: Structure, parameters: Mapping[str, Value], step_size: float | None = None) -> list[str]:
+def notes_before(
+    system: Structure, parameters: Mapping[str, Value], step_size: float | None = None, stop_time: float | None = None
+) -> list[str]:
     """List what is doubtful about a run before it begins.
 
     Parameters
@@ -59,8 +61,8 @@ def notes_before(system: Structure, parameters: Mapping[str, Value], step_size: 
         The system.
     parameters
         Parameters of the run, which win over those of the system, as ``component.variable``.
-    step_size
-        Communication step in s; the system's where None.
+    step_size, stop_time
+        Communication step and stop time in s; the system's where None.
     """
     values = _values(system, parameters, driver_mass(0.0))
     return [
@@ -68,7 +70,7 @@ def notes_before(system: Structure, parameters: Mapping[str, Value], step_size: 
         *_step_notes(system, system.step_size if step_size is None else step_size),
         *_floor_notes(system),
         *_unit_notes(system),
-        *_recording_notes(system, parameters),
+        *_recording_notes(system, parameters, system.stop_time if stop_time is None else stop_time),
     ]
 
 
@@ -127,8 +129,8 @@ def _unit_notes(system: Structure) -> Iterator[str]:
             )
 
 
-def _recording_notes(system: Structure, parameters: Mapping[str, Value]) -> Iterator[str]:
-    """Yield notes on recordings that look as if they were in other units than s and m/s2."""
+def _recording_notes(system: Structure, parameters: Mapping[str, Value], stop_time: float | None) -> Iterator[str]:
+    """Yield notes on recordings that end before the run, or look as if they were in other units than s and m/s2."""
     checked = system.check_parameters(parameters)
     for name, model in system.models.items():
         path = Path(str(checked[name].get("file.path", "")))
@@ -140,6 +142,12 @@ def _recording_notes(system: Structure, parameters: Mapping[str, Value]) -> Iter
         ):
             with suppress(ParameterError):  # the FMU says why it cannot be used
                 yield from recording_notes(str(path))
+                end = read(str(path)).times[-1]
+                if stop_time is not None and stop_time > end * (1.0 + 1e-6):
+                    yield (
+                        f"{path}: the recording ends at {end:g} s, the run at {stop_time:g} s, and the numbers count "
+                        f"the still floor after it; where that is not meant: --stop-time {end:g}"
+                    )
 
 
 def recording_notes(path: str) -> Iterator[str]:

@@ -17,7 +17,7 @@ from cosim.system import System
 from fmus import FLAVOURS
 from plant_models import parameter_sets
 
-_FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
+FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
 
 SYSTEM_FILES = {"fmi2": "SeatSuspension.ssp", "fmi3": "SeatSuspension-fmi3.ssp"}
 """Flavour to the file that describes the system of its FMUs."""
@@ -85,7 +85,7 @@ def seat_suspension(folder: Path) -> System:
     SetupError
         If one of them does not exist.
     """
-    missing = [fmu for fmu in _FMUS.values() if not (folder / f"{fmu}.fmu").is_file()]
+    missing = [fmu for fmu in FMUS.values() if not (folder / f"{fmu}.fmu").is_file()]
     if missing:
         raise SetupError(
             f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; "
@@ -93,7 +93,7 @@ def seat_suspension(folder: Path) -> System:
         )
     system = System()
     system.name = "SeatSuspension"
-    for name, fmu in _FMUS.items():
+    for name, fmu in FMUS.items():
         system.add(name, folder / f"{fmu}.fmu")
     for sink, source in _CONNECTIONS.items():
         system.connect(source, sink)

@@ -112,9 +112,11 @@ def write_command(path: Path, command: Sequence[str]) -> None:
 
 
 def _command(folder: Path, marker: str) -> list[str] | None:
-    """Return the command line of earlier results; None where there are none, an empty one where it is not known."""
+    """Return the command line of earlier results; None where there are no rows, an empty one where it is not known."""
     try:
         data = json.loads((folder / marker).read_text(encoding="utf-8"))
+        if data.get("complete") is False and not data.get("rows", 1):
+            return None  # a run that has left no row
         return _effective(data["command"])
     except (FileNotFoundError, NotADirectoryError):
         return None

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import click
 from rich.box import SIMPLE
-from rich.table import Table
+from rich.table import Column, Table
 
 from cosim.errors import SetupError
 from cosim.fmi.description import ModelDescription
@@ -61,7 +62,9 @@ def _fmu(path: Path) -> None:
     console.print(f"binaries: {', '.join(platforms) or 'none'}", soft_wrap=True, markup=False)
     if about.defaultExperiment is not None and about.defaultExperiment.stepSize:
         console.print(f"step size: {about.defaultExperiment.stepSize} s by default")
-    table = Table("variable", "causality", "type", "unit", "start", "min", "max", "description", box=SIMPLE)
+    table = Table(
+        Column("variable", no_wrap=True), "causality", "type", "unit", "start", "min", "max", "description", box=SIMPLE
+    )
     for variable in model.variables.values():
         low, high = model.bounds.get(variable.name, (None, None))
         table.add_row(
@@ -72,9 +75,16 @@ def _fmu(path: Path) -> None:
             "" if variable.start is None else str(variable.start),
             "" if low is None else f"{low:g}",
             "" if high is None else f"{high:g}",
-            variable.description or "",
+            " ".join(filter(None, [variable.description, _items(variable)])),
         )
     console.print(table, markup=False)
+
+
+def _items(variable: Any) -> str:
+    """Return the items of an enumeration with their numbers, in brackets; nothing for other types."""
+    if variable.type != "Enumeration" or variable.declaredType is None:
+        return ""
+    return f"({', '.join(f'{item.value} {item.name}' for item in variable.declaredType.items)})"
 
 
 def _system(path: Path) -> None:

@@ -15,6 +15,8 @@ from typing import Any
 
 import click
 
+from cosim.errors import did_you_mean
+
 
 @contextmanager
 def _leaving_at_once() -> Iterator[None]:
@@ -77,6 +79,37 @@ class LazyGroup(click.Group):
             command = getattr(import_module(module), function)
         assert isinstance(command, click.Command)
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that the words name; ``help`` is the option of that name.
+
+        Parameters
+        ----------
+        ctx
+            Context of the group.
+        args
+            The words.
+
+        Returns
+        -------
+        tuple
+            Name, command and further words.
+
+        Raises
+        ------
+        click.UsageError
+            If there is no such command; names the nearest one.
+        """
+        name = args[0]
+        if name == "help":
+            click.echo(ctx.get_help())
+            ctx.exit()
+        if name not in self._modules and not name.startswith("-"):
+            near = did_you_mean(name, self._modules)
+            raise click.UsageError(f"expected a command, got {name}{near}; seat-cosim --help lists them")
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands, with the first sentence of each one's help as its source has it.

@@ -133,7 +133,7 @@ def settings(texts: Iterable[str], system: Structure) -> dict[str, str]:
     dict
         ``component.variable`` to value.
     """
-    return assignments("--set", texts, "COMPONENT.VARIABLE=VALUE", system.has)
+    return assignments("--set", texts, "COMPONENT.VARIABLE=VALUE, for example seat.driver_mass=80", system.has)
 
 
 def replacements(texts: Iterable[str]) -> dict[str, str]:

@@ -9,12 +9,13 @@ import click
 from cosim import rerun as repetition
 from cosim.errors import RunError, SetupError
 from cosim.manifest import Manifest
+from cosim.results.result import MANIFEST
 from seat_cosim.cli.console import command_line, console, print_outcome, progress_shown, stderr
 from seat_cosim.cli.folders import lock
 
 
 @click.command()
-@click.argument("manifest", type=click.Path(path_type=Path), metavar="RUN.JSON")
+@click.argument("manifest", type=click.Path(path_type=Path), metavar="RUN.JSON|FOLDER")
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: rerun, beside RUN.JSON].")
 def rerun(manifest: Path, output: Path | None) -> None:
     """Run again what a run.json describes, and compare the result with that of the first time, byte by byte.
@@ -27,6 +28,7 @@ def rerun(manifest: Path, output: Path | None) -> None:
       seat-cosim run bump --driver-mass 70
       seat-cosim rerun results/run/bump/run.json
     """
+    manifest = manifest / MANIFEST if manifest.is_dir() else manifest
     folder = output or manifest.parent / "rerun"
     if folder.resolve() == manifest.parent.resolve():
         raise SetupError(f"--output {folder}: expected another folder than that of {manifest}, got the same")

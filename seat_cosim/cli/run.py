@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @click.option(
     "--compare",
     type=click.Choice(["passive", "none"]),
-    help="Show the numbers of the same ride on the passive seat [default: passive for bump and random].",
+    help="Numbers of the same ride on the passive seat [default: passive; none with --real-time or --isolate].",
 )
 @output_options
 @figure_option
@@ -80,7 +80,7 @@ def run(
     system = seat.system()
     parameters = {**chosen.parameters, **seat.parameters(system)}
     refuse_idle(settings(seat.settings, system), system, parameters)
-    notes = notes_before(system, parameters, step_size)
+    notes = notes_before(system, parameters, step_size, stop_time)
     folder = choose_folder(output, Path("results", "run", scenario), command_line(), force=force)
     with progress_shown(f"running {scenario}") as report:
         options = RunOptions(
@@ -98,16 +98,16 @@ def run(
 
             draw_scenario(folder / OVERVIEW, scenario, system, result)
         report("numbers")
-        rides = _rides(system, result, options, seat, compare or _default_comparison(scenario, seat, how))
+        rides = _rides(system, result, options, seat, compare or _default_comparison(seat, how))
     outcome = Outcome(
         folder, result, warnings, [*notes, *notes_after(result)], rides, next_command=_next(folder, scenario, seat)
     )
     print_run(outcome, OutputOptions(quiet, as_json))
 
 
-def _default_comparison(scenario: str, seat: SeatOptions, how: Mapping[str, Any]) -> str:
-    """Choose the passive seat where it costs less than a second and is not what was run."""
-    cheap = scenario in ("bump", "random") and not how["real_time"] and not how["isolate"]
+def _default_comparison(seat: SeatOptions, how: Mapping[str, Any]) -> str:
+    """Choose the passive seat where it costs little and is not what was run."""
+    cheap = not how["real_time"] and not how["isolate"]
     return "passive" if cheap and seat.control != "passive" else "none"
 
 

@@ -119,7 +119,7 @@ def simulate(
         system.save(save)
     if shown.prints_text:
         _print_exchange(system)
-    notes = notes_before(system, {})
+    notes = notes_before(system, {}, stop_time=end)
     folder = choose_folder(output, Path("results", "simulate", file.stem), command_line(), force=how.pop("force"))
     with progress_shown(f"running {file.name}") as report:
         options = RunOptions(
