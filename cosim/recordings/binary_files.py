@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gc
+import sys
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +15,16 @@ from cosim.errors import SetupError
 from cosim.recordings.columns import Column, read_column
 from cosim.recordings.measurement_file import Floats, package
 from cosim.results.parquet import UNIT
+
+
+@contextmanager
+def _silent_finalizers() -> Iterator[None]:
+    """Suppress what Python prints about exceptions of finalizers."""
+    hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    try:
+        yield
+    finally:
+        sys.unraisablehook = hook
 
 
 class MdfFile:
@@ -55,10 +68,13 @@ class MdfFile:
         self.columns: Sequence[Column] = columns
 
     def _open(self) -> Any:
-        try:
-            return self._asammdf.MDF(self.path)
-        except Exception as error:  # asammdf raises exceptions of many types for invalid files
-            raise SetupError(f"{self.path}: expected an MDF file, got: {' '.join(str(error).split())}") from None
+        with _silent_finalizers():  # of an object that asammdf has not completed
+            try:
+                return self._asammdf.MDF(self.path)
+            except Exception as error:  # asammdf raises exceptions of many types for invalid files
+                message = " ".join(str(error).split())
+            gc.collect()
+        raise SetupError(f"{self.path}: expected an MDF file, got: {message}")
 
     def load(self, indices: Sequence[int]) -> None:
         """Read channels."""

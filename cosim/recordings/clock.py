@@ -96,9 +96,46 @@ def read_times(file: MeasurementFile, index: int, column: Column, unit: str | No
     where = f"{file.path}, {column.text}"
     if values.dtype.kind == "M":
         return _from_start(np.asarray((values - values[0]) / np.timedelta64(1, "ns"), dtype=np.float64) * 1e-9)
+    if values.dtype.kind != "f" and _begins_with_a_number(values):
+        values = _as_numbers(file, values)
     if values.dtype.kind == "f":
         return _numbers(where, values, unit or column.unit, given=unit is not None)
     return _texts(file, where, values)
+
+
+def _begins_with_a_number(values: np.ndarray[Any, Any]) -> bool:
+    first = next((value for value in values if value is not None and value == value), None)
+    return as_number(first) is not None
+
+
+def as_number(value: object) -> float | None:
+    """Convert a value to a number; NaN for a missing one, None for one that is no number.
+
+    Parameters
+    ----------
+    value
+        A number, a text, or None.
+    """
+    try:
+        return float("nan") if value is None else float(value)  # type: ignore[arg-type]  # others raise
+    except (TypeError, ValueError):
+        return None
+
+
+def _as_numbers(file: MeasurementFile, values: np.ndarray[Any, Any]) -> Floats:
+    """Convert a column of numbers, of which at least one is none."""
+    numbers = [as_number(value) for value in values]
+    if None in numbers:
+        row = numbers.index(None)
+        raise _no_time(file, row, values)
+    return np.array(numbers, dtype=np.float64)
+
+
+def _no_time(file: MeasurementFile, row: int, values: np.ndarray[Any, Any]) -> SetupError:
+    return SetupError(
+        f"{file.path}, {file.place(row)}: expected a time as a number, as hours:minutes:seconds or with a date, got "
+        f"{str(values[row])[:40]}"
+    )
 
 
 def _from_start(seconds: Floats, notes: Sequence[str] = ()) -> Times:
@@ -174,9 +211,7 @@ def _texts(file: MeasurementFile, where: str, values: np.ndarray[Any, Any]) -> T
     words = series.where(~missing, "").astype(str).str.strip()
     zone = f"(?:{ZONE.pattern})$"
     date = words.str.extract(rf"^({DATE.pattern})(?:[T\s]|$)", expand=False)
-    rest = words.where(date.isna(), words.str.slice_replace(0, 0, "")).str.replace(
-        rf"^(?:{DATE.pattern})[T\s]*", "", regex=True
-    )
+    rest = words.str.replace(rf"^(?:{DATE.pattern})[T\s]*", "", regex=True)
     zones = rest.str.extract(rf"({zone})", expand=False).dropna().unique()
     if len(zones) > 1:
         raise SetupError(f"{where}: expected one time zone, got {' and '.join(map(str, zones[:2]))}")
@@ -184,10 +219,7 @@ def _texts(file: MeasurementFile, where: str, values: np.ndarray[Any, Any]) -> T
     good = clock.str.fullmatch(TIME_OF_DAY.pattern) | missing | ((clock == "") & date.notna())
     if not good.all():
         row = int(np.flatnonzero(~good.to_numpy(dtype=bool))[0])
-        raise SetupError(
-            f"{file.path}, {file.place(row)}: expected a time as a number, as hours:minutes:seconds or with a date, "
-            f"got {str(values[row])[:40]}"
-        )
+        raise _no_time(file, row, values)
     seconds = _seconds_of_day(pandas, clock)
     seconds[missing.to_numpy(dtype=bool)] = np.nan
     if date.notna().any():

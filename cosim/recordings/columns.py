@@ -151,5 +151,5 @@ def choose_column(columns: Sequence[Column], wanted: str, option: str, quantity:
     names = [column.text for column in columns]
     raise SetupError(
         f"{option} {wanted}: expected one of the columns {listed(names, 20)}, got none of that name"
-        f"{did_you_mean(wanted, names)}"
+        f"{did_you_mean(wanted, [column.name for column in read])}"
     )

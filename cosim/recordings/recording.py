@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cosim.errors import SetupError, listed
-from cosim.recordings.clock import Times, is_usual_name, last_place, read_times
+from cosim.recordings.clock import Times, as_number, is_usual_name, last_place, read_times
 from cosim.recordings.columns import Column, choose_column
 from cosim.recordings.files import open_file
 from cosim.recordings.measurement_file import Floats, MeasurementFile
@@ -221,26 +221,18 @@ def _numbers(file: MeasurementFile, index: int, column: Column) -> Floats:
     """Return a column's numbers, NaN for missing ones."""
     values = file.values(index)
     if values.dtype.kind != "f":
-        for row, value in enumerate(values):
-            if value is not None and value == value and not _is_float(value):
-                raise SetupError(
-                    f"{file.path}, {file.place(row)}: expected a number as {column.text}, got {str(value)[:40]}"
-                )
-        values = np.array([np.nan if value is None else float(value) for value in values], dtype=np.float64)
+        found = [as_number(value) for value in values]
+        if None in found:
+            row = found.index(None)
+            got = str(values[row])[:40]
+            raise SetupError(f"{file.path}, {file.place(row)}: expected a number as {column.text}, got {got}")
+        values = np.array(found, dtype=np.float64)
     infinite = np.flatnonzero(np.isinf(values))
     if len(infinite):
         raise SetupError(
             f"{file.path}, {file.place(int(infinite[0]))}: expected finite numbers as {column.text}, got inf"
         )
     return np.asarray(values, dtype=np.float64)
-
-
-def _is_float(value: object) -> bool:
-    try:
-        float(value)  # type: ignore[arg-type]  # what is not a number raises
-    except (TypeError, ValueError):
-        return False
-    return True
 
 
 def _sampling(where: str, times: Times, values: Floats, options: ReadOptions) -> Sampling:

@@ -15,7 +15,7 @@ from cosim.errors import writing_to
 from cosim.manifest import sha256
 from cosim.results.csv_file import format_header, format_rows
 from seat_cosim.assessment import DATA
-from seat_cosim.assessment.figures import RIDE, SPECTRA, TRANSMISSIBILITY, draw_figures
+from seat_cosim.assessment.figures import RIDE, SPECTRA, SUFFIXES, TRANSMISSIBILITY, draw_figures
 from seat_cosim.assessment.numbers import Assessment
 from seat_cosim.assessment.tables import EXPOSURE, METRICS, numbers, shown_channels, summary, table_rows
 from seat_cosim.html_page import embedded, render
@@ -45,7 +45,9 @@ class _Figure(NamedTuple):
     note: str = ""
 
 
-def write_report(folder: Path, assessment: Assessment, command: Sequence[str]) -> list[Path]:
+def write_report(
+    folder: Path, assessment: Assessment, command: Sequence[str], *, with_figures: bool = True
+) -> list[Path]:
     """Write page, tables, data and figures; the same recording gives the same bytes on the same machine.
 
     Parameters
@@ -56,6 +58,8 @@ def write_report(folder: Path, assessment: Assessment, command: Sequence[str]) -
         The assessment.
     command
         Words of the command line.
+    with_figures
+        Whether figures are drawn.
 
     Returns
     -------
@@ -69,11 +73,12 @@ def write_report(folder: Path, assessment: Assessment, command: Sequence[str]) -
     """
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        for suffix in (".svg", ".png"):  # of an earlier assessment with another set of channels
-            (folder / f"{TRANSMISSIBILITY}{suffix}").unlink(missing_ok=True)
+        for name in (RIDE, SPECTRA, TRANSMISSIBILITY):  # of an earlier assessment, which may have had more
+            for suffix in SUFFIXES:
+                (folder / f"{name}{suffix}").unlink(missing_ok=True)
         _write_table(folder / TABLE, assessment)
         _write_lines(folder / LINES, assessment)
-        figures = draw_figures(folder, assessment)
+        figures = draw_figures(folder, assessment) if with_figures else {}
         text = json.dumps({"command": list(command), **as_data(assessment)}, indent=2, ensure_ascii=False)
         (folder / DATA).write_text(text + "\n", encoding="utf-8")
         page = _page(assessment, {name: files[0] for name, files in figures.items()}, command)
@@ -179,10 +184,14 @@ def _vibration(assessment: Assessment) -> list[tuple[str, str, list[str]]]:
 def _figures(assessment: Assessment, images: dict[str, Path]) -> Iterator[_Figure]:
     spectrum = assessment.spectra.densities[assessment.main]
     lines = f"Lines {spectrum.resolution:.3g} Hz apart, the mean of {spectrum.averages:.3g} independent segments."
-    yield _Figure("Over time", embedded(images[RIDE]))
-    yield _Figure("Spectra", embedded(images[SPECTRA]), lines)
-    if TRANSMISSIBILITY in images:
-        yield _Figure("Transmissibility", embedded(images[TRANSMISSIBILITY]), COHERENCE_NOTE)
+    texts = {
+        RIDE: ("Over time", ""),
+        SPECTRA: ("Spectra", lines),
+        TRANSMISSIBILITY: ("Transmissibility", COHERENCE_NOTE),
+    }
+    for name, image in images.items():
+        title, note = texts[name]
+        yield _Figure(title, embedded(image), note)
 
 
 def _facts(assessment: Assessment, command: Sequence[str]) -> dict[str, str]:

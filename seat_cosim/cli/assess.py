@@ -37,6 +37,7 @@ if TYPE_CHECKING:  # the metrics take long to load
 )
 @click.option("--hours", type=float, default=8.0, show_default=True, metavar="H", help="Such rides in a day.")
 @click.option("--resolution", type=float, metavar="HZ", help="Of spectra [default: 0.25, coarser for short rides].")
+@click.option("--figures/--no-figures", default=True, show_default=True, help="Draw figures.")
 @output_options
 @force_option
 @click.option("--output", type=click.Path(path_type=Path), help="Where to [default: results/assess/FILE].")
@@ -50,6 +51,7 @@ def assess(
     gaps: str,
     hours: float,
     resolution: float | None,
+    figures: bool,
     quiet: bool,
     as_json: bool,
     force: bool,
@@ -87,7 +89,7 @@ def assess(
         default = Path("results", "assess", file.stem)
         folder = choose_folder(output, default, command_line(), force=force, marker=DATA)
         report("page")
-        files = write_report(folder, assessment, command_line())
+        files = write_report(folder, assessment, command_line(), with_figures=figures)
     if not quiet:
         print_notes(assessment.notes)
     if as_json:
