@@ -77,7 +77,13 @@ class MdfFile:
         raise SetupError(f"{self.path}: expected an MDF file, got: {message}")
 
     def load(self, indices: Sequence[int]) -> None:
-        """Read channels."""
+        """Read columns of the file.
+
+        Parameters
+        ----------
+        indices
+            Indices of the columns.
+        """
         with self._open() as mdf:
             for index in indices:
                 group, channel = self._places[index]
@@ -88,7 +94,13 @@ class MdfFile:
                     raise SetupError(f"{where}: expected samples, got: {' '.join(str(error).split())}") from None
 
     def values(self, index: int) -> np.ndarray[Any, Any]:
-        """Return the values of a channel, NaN where the logger marked them as invalid."""
+        """Return the values of a channel, NaN where the logger marked them as invalid.
+
+        Parameters
+        ----------
+        index
+            Index of a loaded column.
+        """
         signal = self._signals[index]
         samples = np.asarray(signal.samples)
         if samples.dtype.kind not in "biuf" or samples.ndim != 1:
@@ -99,11 +111,23 @@ class MdfFile:
         return samples
 
     def times(self, index: int) -> Floats | None:
-        """Return the times of a channel's group."""
+        """Return the times of a channel's group.
+
+        Parameters
+        ----------
+        index
+            Index of a loaded column.
+        """
         return np.asarray(self._signals[index].timestamps, dtype=np.float64)
 
     def place(self, row: int) -> str:
-        """Return the number of a sample."""
+        """Return the number of a sample.
+
+        Parameters
+        ----------
+        row
+            Number of the row from 0.
+        """
         return f"sample {row + 1}"
 
 
@@ -121,16 +145,34 @@ class _Columns:
         self._arrays: dict[int, np.ndarray[Any, Any]] = {}
 
     def values(self, index: int) -> np.ndarray[Any, Any]:
-        """Return the values of a column."""
+        """Return the values of a column.
+
+        Parameters
+        ----------
+        index
+            Index of a loaded column.
+        """
         array = self._arrays[index]
         return array.astype(np.float64) if array.dtype.kind in "biuf" else array
 
     def times(self, index: int) -> Floats | None:
-        """Return None: times are in a column."""
+        """Return None: times are in a column.
+
+        Parameters
+        ----------
+        index
+            Index of a loaded column.
+        """
         return None
 
     def place(self, row: int) -> str:
-        """Return the number of a row."""
+        """Return the number of a row.
+
+        Parameters
+        ----------
+        row
+            Number of the row from 0.
+        """
         return f"row {row + 1}"
 
 
@@ -168,7 +210,13 @@ class MatFile(_Columns):
         self._arrays = dict(enumerate(array for _, array in found))
 
     def load(self, indices: Sequence[int]) -> None:
-        """Do nothing: all variables are in memory."""
+        """Do nothing: all variables are in memory.
+
+        Parameters
+        ----------
+        indices
+            Indices of the columns.
+        """
 
 
 def _vectors(name: str, value: Any) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
@@ -235,7 +283,13 @@ class ParquetFile(_Columns):
         ]
 
     def load(self, indices: Sequence[int]) -> None:
-        """Read columns."""
+        """Read columns of the file.
+
+        Parameters
+        ----------
+        indices
+            Indices of the columns.
+        """
         wanted = sorted(set(indices))
         try:
             table = self._parquet.read_table(str(self.path), columns=[self._names[i] for i in wanted])

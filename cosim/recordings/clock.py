@@ -109,7 +109,7 @@ def _begins_with_a_number(values: np.ndarray[Any, Any]) -> bool:
 
 
 def as_number(value: object) -> float | None:
-    """Convert a value to a number; NaN for a missing one, None for one that is no number.
+    """Return a value as a number; NaN for a missing one, None for one that is no number.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from cosim.units import GRAVITY, Unit, named_unit
 
 
 class Quantity(NamedTuple):
-    """A physical quantity.
+    """A physical quantity that a channel may have.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ def find_unit(text: str, quantity: Quantity) -> Unit | None:
 
 
 def is_unit(text: str) -> bool:
-    """Whether a text is a unit of any quantity, or a mark of none, as in a row of units.
+    """Return whether a text is a unit of any quantity, or a mark of none, as in a row of units.
 
     Parameters
     ----------

@@ -57,7 +57,13 @@ class TextFile:
         )
 
     def load(self, indices: Sequence[int]) -> None:
-        """Read columns."""
+        """Read columns of the file.
+
+        Parameters
+        ----------
+        indices
+            Indices of the columns.
+        """
         form, wanted = self._form, sorted(set(indices))
         try:
             # pandas infers types by blocks, and warns where they differ; such a column is checked cell by cell
@@ -90,13 +96,31 @@ class TextFile:
         )
 
     def values(self, index: int) -> np.ndarray[Any, Any]:
-        """Return the values of a column."""
+        """Return the values of a column.
+
+        Parameters
+        ----------
+        index
+            Index of a loaded column.
+        """
         return self._values[index]
 
     def times(self, index: int) -> Floats | None:
-        """Return None: times are in a column."""
+        """Return None: times are in a column.
+
+        Parameters
+        ----------
+        index
+            Index of a loaded column.
+        """
         return None
 
     def place(self, row: int) -> str:
-        """Return the line of a row, where no comments or empty lines are among the rows."""
+        """Return the line of a row, where no comments or empty lines are among the rows.
+
+        Parameters
+        ----------
+        row
+            Number of the row from 0.
+        """
         return f"line {self._form.first_row + row + 1}"
