@@ -64,15 +64,17 @@ METRICS = (
 )
 """Metrics of a ride."""
 
-_DOSE = "by VDV, time to the "
+_ACTION_DOSE, _LIMIT_DOSE = (
+    f"time to the {name} value, {value.vdv:g} m/s^1.75" for name, value in (("action", ACTION), ("limit", LIMIT))
+)
 
 EXPOSURE = (
     Row("a8", "A(8)", "m/s²", lambda channel: channel.exposure.a8),
     Row("daily_vdv", "VDV of the day", "m/s^1.75", lambda channel: channel.exposure.vdv),
     Row("hours_to_action", f"time to the action value, {ACTION.a8:g} m/s²", "h", lambda c: c.exposure.to_action, True),
     Row("hours_to_limit", f"time to the limit value, {LIMIT.a8:g} m/s²", "h", lambda c: c.exposure.to_limit, True),
-    Row("hours_to_action_vdv", f"{_DOSE}action value, {ACTION.vdv:g}", "h", lambda c: c.exposure.to_action_vdv, True),
-    Row("hours_to_limit_vdv", f"{_DOSE}limit value, {LIMIT.vdv:g}", "h", lambda c: c.exposure.to_limit_vdv, True),
+    Row("hours_to_action_vdv", _ACTION_DOSE, "h", lambda c: c.exposure.to_action_vdv, True),
+    Row("hours_to_limit_vdv", _LIMIT_DOSE, "h", lambda c: c.exposure.to_limit_vdv, True),
 )
 """Daily exposure by Directive 2002/44/EC."""
 
