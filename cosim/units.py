@@ -10,6 +10,9 @@ from typing import Any, NamedTuple
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """The base units of FMI and SSP, in the order of :attr:`Unit.exponents`."""
 
+GRAVITY = 9.80665
+"""Standard acceleration of gravity in m/s2."""
+
 
 class Unit(NamedTuple):
     """A unit by its definition: value in base units = ``factor`` * value + ``offset``.

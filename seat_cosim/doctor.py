@@ -29,6 +29,7 @@ OPTIONAL = {
     "ziglang": ("native", "builds FMUs for all platforms"),
     "asammdf": ("mdf", "--format mdf4"),
     "pyarrow": ("parquet", "--format parquet"),
+    "pandas": ("measurements", "reads files of data loggers (seat-cosim assess, --recording)"),
     "fmu-manipulation-toolbox": ("interop", "makes a system one FMU"),
     "libcosimpy": ("interop", "another master, for comparison"),
 }

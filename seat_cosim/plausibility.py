@@ -16,7 +16,7 @@ from cosim.engine.network import VariableRef
 from cosim.engine.structure import Structure
 from cosim.fmi.values import Value
 from cosim.results.result import Result
-from cosim.units import IDENTITY
+from cosim.units import GRAVITY, IDENTITY
 from fmus.component import ParameterError
 from plant_models.shaker.recording import read
 from seat_controller_fmu.parameters import SAMPLE_TIME
@@ -39,9 +39,6 @@ MIN_RATE = 20.0
 
 QUIET_FLOOR = 0.2
 """RMS acceleration in m/s2 below which a recorded floor is quieter than a smooth road gives."""
-
-GRAVITY = 9.80665
-"""Acceleration of gravity in m/s2."""
 
 _FLOOR = ("seat.floor_displacement", "seat.floor_velocity", "seat.floor_acceleration")
 """Inputs that describe one motion: displacement and its derivatives."""

@@ -56,7 +56,7 @@ def result_file_name(suffix: str, complete: bool) -> str:
     return f"result{suffix}" if complete else f"result.partial{suffix}"
 
 
-def import_optional(name: str, extra: str) -> Any:
+def import_optional(name: str, extra: str, what: str | None = None) -> Any:
     """Import a module that only one format needs.
 
     Parameters
@@ -65,6 +65,8 @@ def import_optional(name: str, extra: str) -> Any:
         Name of the module.
     extra
         The extra of this distribution that installs it.
+    what
+        What needs it, for the message; files of the extra's name where None.
 
     Returns
     -------
@@ -80,7 +82,8 @@ def import_optional(name: str, extra: str) -> Any:
         return import_module(name)
     except ImportError as error:
         expected = f"expected the package {name.partition('.')[0]}"
-        raise SetupError(f'{extra} files: {expected}, got: {error}; run: pip install "seat-cosim[{extra}]"') from None
+        where = what or f"{extra} files"
+        raise SetupError(f'{where}: {expected}, got: {error}; run: pip install "seat-cosim[{extra}]"') from None
 
 
 class FileSink(ABC):

@@ -10,7 +10,7 @@ import numpy as np
 from cosim.errors import SetupError
 from cosim.results.file_sink import BlockSink, ResultTable, Rows, import_optional
 
-_UNIT = b"unit"
+UNIT = b"unit"
 """Key of the unit in a column's metadata."""
 
 
@@ -37,7 +37,7 @@ class ParquetSink(BlockSink):
     def _begin(self, names: list[str], units: list[str | None]) -> None:
         pa = self._pyarrow
         columns = [
-            pa.field(name, pa.float64(), metadata={_UNIT: unit.encode()} if unit else None)
+            pa.field(name, pa.float64(), metadata={UNIT: unit.encode()} if unit else None)
             for name, unit in zip(names, units, strict=True)
         ]
         self._schema = pa.schema(columns)
@@ -76,5 +76,5 @@ class ParquetSink(BlockSink):
             rows = np.column_stack([np.asarray(column, dtype=float) for column in table.columns])
         except (pa.ArrowException, ValueError, OSError) as error:
             raise SetupError(f"{path}: expected a Parquet table of numbers, got: {error}") from None
-        found = [(column.metadata or {}).get(_UNIT) for column in table.schema]
+        found = [(column.metadata or {}).get(UNIT) for column in table.schema]
         return ResultTable(table.column_names, [unit.decode() if unit else None for unit in found], rows)

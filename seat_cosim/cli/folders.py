@@ -10,6 +10,7 @@ import click
 
 from cosim.errors import SetupError, writing_to
 from cosim.results.folder_lock import locked_folder
+from seat_cosim.assessment import DATA
 
 RUN = "run.json"
 EVALUATION = "evaluation.json"
@@ -82,7 +83,7 @@ def _choose_folder(output: Path | None, default: Path, command: Sequence[str], f
             folder = default.with_name(f"{default.name}-{number}")
         return folder
     folder = output.expanduser()
-    for name in {RUN, EVALUATION, marker}:
+    for name in {RUN, EVALUATION, DATA, marker}:
         earlier = _command(folder, name)
         if earlier is not None and _kind(earlier) != _kind(_effective(command)) and not force:
             before = " ".join(["seat-cosim", *_kind(earlier)]) if earlier else "another program"

@@ -18,6 +18,7 @@ from seat_cosim.cli.lazy_group import LazyGroup
 _CLI = "seat_cosim.cli"
 
 COMMANDS = {
+    "assess": (f"{_CLI}.assess", "assess"),
     "build": (f"{_CLI}.build", "build"),
     "compare": (f"{_CLI}.compare", "compare"),
     "design": (f"{_CLI}.design", "design"),

@@ -10,15 +10,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.engine.run_options import RunOptions
+from cosim.errors import SetupError
 from cosim.fmi.values import Value
 from cosim.results.result import MANIFEST, Result
 from cosim.run_folder import run_to_folder
 from cosim.system import System
+from seat_controller_fmu.parameters import SAMPLE_TIME
 from seat_cosim.cli.console import command_line, print_warnings, progress_shown
 from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.folders import choose_folder, force_option
 from seat_cosim.cli.options import check_run_options, run_options, settings
 from seat_cosim.cli.outcome import OVERVIEW, Outcome, OutputOptions, figure_option, output_options, print_run
+from seat_cosim.cli.reading_options import RECORDING, ReadingOptions, play, read_recording, recording_options
 from seat_cosim.cli.seat_options import OPTIONS, SeatOptions, seat_options
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained, notes_after, notes_before
@@ -31,7 +34,8 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("scenario", type=click.Choice(list(SCENARIOS)))
 @seat_options(*OPTIONS)
-@click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's]")
+@recording_options
+@click.option("--stop-time", type=float, metavar="S", help="[default: the scenario's, or the recording's end]")
 @click.option("--step-size", type=float, metavar="S", help="[default: the FMUs']")
 @run_options
 @click.option(
@@ -46,6 +50,9 @@ if TYPE_CHECKING:
 def run(
     scenario: str,
     seat: SeatOptions,
+    recording_file: Path | None,
+    channel: str | None,
+    reading: ReadingOptions,
     stop_time: float | None,
     step_size: float | None,
     compare: str | None,
@@ -62,7 +69,7 @@ def run(
 
     \b
     Scenarios: bump (the paper's, 3 s), sine (3 Hz, 6 mm, 5 s), sweep (0.5 to 20 Hz at 1 m/s2, 60 s),
-    random (ISO 7096 EM1, 60 s), file (a recorded CSV, an example by default, 10 s).
+    random (ISO 7096 EM1, 60 s), file (--recording or a recorded CSV, an example by default, 10 s).
     Examples:
       seat-cosim run bump --driver-mass 70 --observer 2
       seat-cosim run bump --driver-mass 110 --gains recommended
@@ -71,21 +78,31 @@ def run(
       seat-cosim run random --set shaker.random.class=EM5 --set shaker.random.seed=7
       seat-cosim run random --parameters ride --control passive
       seat-cosim run file --set shaker.file.path=/data/cab_floor.csv --stop-time 120
+      seat-cosim run file --recording ride.mf4 --channel Floor_Z --unit g
     """
     check_run_options(how)
     if seat.control == "passive":
         refuse_without_effect(["compare"], "--control passive", "the ride is that of the passive seat already")
+    if recording_file is not None and scenario != "file":
+        raise SetupError(f"--recording {recording_file}: expected with the scenario file, got {scenario}")
+    floor = read_recording(recording_file, channel, reading)
     chosen = SCENARIOS[scenario]
-    stop_time = chosen.stop_time if stop_time is None else stop_time
     system = seat.system()
+    if stop_time is None:
+        stop_time = chosen.stop_time if floor is None else floor.stop_time(step_size or SAMPLE_TIME.value)
     parameters = {**chosen.parameters, **seat.parameters(system)}
     refuse_idle(settings(seat.settings, system), system, parameters)
-    notes = notes_before(system, parameters, step_size, stop_time)
+    notes = [*([] if floor is None else floor.notes), *notes_before(system, parameters, step_size, stop_time)]
     folder = choose_folder(output, Path("results", "run", scenario), command_line(), force=force)
+    if floor is not None:
+        parameters |= play("shaker", folder / RECORDING, parameters)
     with progress_shown(f"running {scenario}") as report:
         options = RunOptions(
             stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"), **how
         )
+        if floor is not None:
+            options.check(system)
+            floor.write(folder / RECORDING)
         result = run_to_folder(system, folder, options, command=command_line())
         warnings = explained(result.warnings, seat.gains, control=seat.control not in ("off", "passive"))
         if result.error is not None:
@@ -100,7 +117,12 @@ def run(
         report("numbers")
         rides = _rides(system, result, options, seat, compare or _default_comparison(seat, how))
     outcome = Outcome(
-        folder, result, warnings, [*notes, *notes_after(result)], rides, next_command=_next(folder, scenario, seat)
+        folder,
+        result,
+        warnings,
+        [*notes, *notes_after(result)],
+        rides,
+        next_command=_next(folder, scenario, seat, floor is not None),
     )
     print_run(outcome, OutputOptions(quiet, as_json))
 
@@ -134,9 +156,9 @@ def _rides(
     return rides
 
 
-def _next(folder: Path, scenario: str, seat: SeatOptions) -> str:
+def _next(folder: Path, scenario: str, seat: SeatOptions, recorded: bool) -> str:
     """Return a command that a user may want next: other gains for the same ride, or the same bytes again."""
-    if seat.gains or seat.observer or seat.control or seat.parameter_files or seat.settings:
+    if recorded or seat.gains or seat.observer or seat.control or seat.parameter_files or seat.settings:
         return f"seat-cosim rerun {folder / MANIFEST}"
     mass = "" if seat.driver_mass is None else f" --driver-mass {seat.driver_mass:g}"
     chosen = "" if scenario == "bump" else f" --scenario {scenario}"

@@ -15,6 +15,7 @@ from cosim.engine.step_order import delay
 from cosim.engine.structure import ALGORITHMS, Algorithm
 from cosim.run_folder import run_to_folder
 from cosim.system import System
+from seat_controller_fmu.parameters import SAMPLE_TIME
 from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, progress_shown
 from seat_cosim.cli.effect import refuse_without_effect
@@ -32,6 +33,14 @@ from seat_cosim.cli.options import (
 from seat_cosim.cli.options import settings as read_settings
 from seat_cosim.cli.outcome import OVERVIEW, OutputOptions, figure_option, output_options, print_run, simulated
 from seat_cosim.cli.paths import with_user_paths
+from seat_cosim.cli.reading_options import (
+    RECORDING,
+    ReadingOptions,
+    play,
+    read_recording,
+    recording_options,
+    shaker_of,
+)
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import notes_before
 from seat_cosim.scenarios import read_parameter_sets
@@ -49,8 +58,9 @@ from seat_cosim.scenarios import read_parameter_sets
 @click.option("--disconnect", multiple=True, metavar="B.y", help="Free input B.y.")
 @parameters_option
 @set_option
+@recording_options
 @click.option("--start-time", type=float, metavar="S", help="[default: the system's, else the FMUs', else 0]")
-@click.option("--stop-time", type=float, metavar="S", help="[default: the system's]")
+@click.option("--stop-time", type=float, metavar="S", help="[default: the recording's, else the system's]")
 @click.option("--step-size", type=float, metavar="S", help="Communication step [default: the system's]")
 @click.option("--component-step", multiple=True, metavar="COMPONENT=S", help="A component's own step; repeatable.")
 @click.option("--tolerance", type=float, metavar="X", help="Relative tolerance [default: each FMU's own]")
@@ -70,6 +80,9 @@ def simulate(
     disconnect: tuple[str, ...],
     parameter_files: tuple[str, ...],
     settings: tuple[str, ...],
+    recording_file: Path | None,
+    channel: str | None,
+    reading: ReadingOptions,
     start_time: float | None,
     stop_time: float | None,
     step_size: float | None,
@@ -92,6 +105,7 @@ def simulate(
       seat-cosim simulate SeatSuspension --set seat.driver_mass=70 --set controller.driver_mass=70
       seat-cosim simulate SeatSuspension --algorithm jacobi --stop-time 5
       seat-cosim simulate SeatSuspension --replace seat=fmus/fmi3/SeatPlant.fmu
+      seat-cosim simulate SeatSuspension --recording cab_floor.csv --channel acc_z --unit g
       seat-cosim simulate SeatSuspension --replace shaker=Cabin.fmu \\
           --connect "0.001*shaker.z=seat.floor_displacement" --isolate shaker
     """
@@ -106,6 +120,10 @@ def simulate(
     system.start_time = system.start_time if start_time is None else start_time
     system.stop_time = system.stop_time if stop_time is None else stop_time
     system.step_size = system.step_size if step_size is None else step_size
+    floor = read_recording(recording_file, channel, reading)
+    shaker = "" if floor is None else shaker_of(system)
+    if floor is not None and stop_time is None:
+        system.stop_time = (system.start_time or 0.0) + floor.stop_time(system.step_size or SAMPLE_TIME.value)
     system.component_steps |= seconds("--component-step", component_step)
     system.algorithm = algorithm or system.algorithm
     if order:
@@ -113,14 +131,18 @@ def simulate(
             refuse_without_effect(["order"], "--algorithm jacobi", "jacobi steps all components from the same values")
         system.order = names(order)
     system.validate(record=record or None, tolerance=tolerance)
-    refuse_idle(given, system, {})
+    refuse_idle(given, system, {f"{shaker}.profile": "file"} if shaker else {})
     end = system.clock().stop_time
+    notes = [*([] if floor is None else floor.notes), *notes_before(system, {}, stop_time=end)]
+    folder = choose_folder(output, Path("results", "simulate", file.stem), command_line(), force=how.pop("force"))
+    if floor is not None:
+        system.parameters |= play(shaker, folder / RECORDING, given)
+        system.validate(record=record or None, tolerance=tolerance)
+        floor.write(folder / RECORDING)
     if save:
         system.save(save)
     if shown.prints_text:
         _print_exchange(system)
-    notes = notes_before(system, {}, stop_time=end)
-    folder = choose_folder(output, Path("results", "simulate", file.stem), command_line(), force=how.pop("force"))
     with progress_shown(f"running {file.name}") as report:
         options = RunOptions(
             record=record or None,
