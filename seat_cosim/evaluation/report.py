@@ -272,7 +272,9 @@ def _page(
         notes=notes,
         image=pictures[0],
         input_image=pictures[1],
-        criteria=[criteria_table(each.evaluated.title, verdict) for each, verdict in pairs],
+        criteria=[
+            criteria_table(each.evaluated.title, verdict, with_sentence=each is not first) for each, verdict in pairs
+        ],
         tables=[
             *(numbers_table(each, verdict, first) for each, verdict in pairs),
             *(exposure_table(each, protocol) for each in evaluations),

@@ -43,7 +43,7 @@ class Table:
     left: Sequence[int] = ()
 
 
-def criteria_table(title: str, verdict: SeatVerdict) -> Table:
+def criteria_table(title: str, verdict: SeatVerdict, *, with_sentence: bool = False) -> Table:
     """Return the criteria of a system with their worst values.
 
     Parameters
@@ -52,17 +52,26 @@ def criteria_table(title: str, verdict: SeatVerdict) -> Table:
         Name of the system.
     verdict
         Its verdict.
+    with_sentence
+        Whether the verdict stands above the table.
     """
-    heads = [(name, "") for name in ("criterion", "worst value", "limit", "where", "verdict", "failed", "not judged")]
+    heads = [(name, "") for name in ("criterion", "verdict", "worst value", "limit", "where", "failed", "not judged")]
     heads += [("about the value", ""), ("limit from", "")]
     rows = []
     for each in verdict.criteria:
         worst = each.worst
-        cells = [worst.criterion.words, worst.criterion.text(worst.value), worst.criterion.text(worst.limit)]
-        cells += [each.place, str(worst.outcome), f"{each.counts[Outcome.FAIL]} of {len(verdict.cells)}"]
+        numbers = (worst.criterion.text(worst.value), worst.criterion.text(worst.limit))
+        cells = [
+            worst.criterion.words,
+            str(worst.outcome),
+            *numbers,
+            each.place,
+            f"{each.counts[Outcome.FAIL]} of {len(verdict.cells)}",
+        ]
         cells += [str(each.counts[Outcome.NOT_JUDGED]), worst.detail or "–", worst.criterion.source]
         rows.append((STYLES[worst.outcome], cells))
-    return Table(f"Criteria: {title}", heads, rows, [f"{verdict.sentence}."], left=(0, 7, 8))
+    lines = [f"{verdict.sentence}."] if with_sentence else []
+    return Table(f"Criteria: {title}", heads, rows, lines, left=(0, 7, 8))
 
 
 def input_table(evaluation: Evaluation, protocol: Protocol) -> Table:
