@@ -1,6 +1,6 @@
 """Search for the seeds of the Shaker whose motion conforms to its class: the seeds of seat_cosim/evaluation/inputs.py.
 
-python -m studies.conforming_inputs                    all classes, seeds 1 to 4000: some ten minutes
+python -m studies.conforming_inputs                    all classes, seeds 1 to 4000: some ten minutes of CPU
 python -m studies.conforming_inputs --classes EM1,EM7 --last 300
 
 A seed conforms if over 180 s, after 10 s, the RMS in the class's band is within 5 % of the standard's and each line of

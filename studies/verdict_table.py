@@ -33,18 +33,7 @@ from seat_cosim.scenarios import gains, mode, read_parameter_sets, seat_suspensi
 from studies.robust_table import print_table
 from studies.tune_baselines import BASELINES, ROOT, build
 
-HEADS = (
-    "actuator, sensors",
-    "verdict",
-    "pass",
-    "decided by",
-    "SEAT",
-    "by VDV",
-    "hits",
-    "impacts add",
-    "mean, mm",
-    "at limit",
-)
+HEADS = ("verdict", "pass", "decided by", "SEAT", "by VDV", "hits", "impacts add", "mean, mm", "at limit")
 
 
 class Controller(NamedTuple):
@@ -88,6 +77,7 @@ def seats(known: Mapping[str, Controller], installation: Installation, fmus: Pat
     found = []
     for name, controller in known.items():
         for world in ("ideal", "prototype"):
+            title = name if world == "ideal" else f"{name}, {world}"
             system = seat_suspension(fmus)
             if controller.fmu is not None:
                 system.replace("controller", controller.fmu)
@@ -98,7 +88,7 @@ def seats(known: Mapping[str, Controller], installation: Installation, fmus: Pat
                 parameters = mode("robust", parameters) | parameters
             system.parameters |= parameters
             signals = seat_signals().for_system(system, {})
-            found.append(EvaluatedSystem(f"{name}/{world}", system, signals, installation.travel))
+            found.append(EvaluatedSystem(title, system, signals, installation.travel))
     reference = seat_suspension(fmus)
     fixture = installed(reference, installation)
     return [*found, passive_seat(reference, read_parameter_sets(["passive"], reference), fixture)]
@@ -107,14 +97,12 @@ def seats(known: Mapping[str, Controller], installation: Installation, fmus: Pat
 def cells(evaluation: Evaluation, verdict: SeatVerdict) -> list[str]:
     """Return the row of a seat: its verdict, and the worst of its numbers."""
     results = evaluation.results.values()
-    _, _, world = evaluation.evaluated.title.partition("/")
     decides = verdict.deciding
     hits = [each.end_stop_hits for each in results if each.end_stop_hits is not None]
     added = [each.seat_vdv_of_impacts for each in results if each.seat_vdv_of_impacts is not None]
     limits = [each.saturated_share for each in results if each.saturated_share is not None]
     mean = max((each.mean_deflection or 0.0 for each in results), key=abs)
     return [
-        world or "–",
         f"**{verdict.outcome}**",
         f"{verdict.count(Outcome.PASS)} of {len(verdict.cells)}",
         f"{decides.criterion.key.replace('_', ' ')} ({verdict.where[0]}, {verdict.where[1]:g} kg)",
@@ -162,7 +150,7 @@ def main() -> None:
     write_table(arguments.output / "verdicts.csv", evaluations, verdicts)
     pairs = list(zip(evaluations, verdicts, strict=True))
     print(f"protocol {protocol.name}, {arguments.classes}, drivers {protocol.masses} kg, travel {arguments.travel} mm")
-    print_table(HEADS, {each.evaluated.title.replace("/ideal", ""): cells(each, verdict) for each, verdict in pairs})
+    print_table(HEADS, {each.evaluated.title: cells(each, verdict) for each, verdict in pairs})
     print("\nnumber of combinations that fail each criterion")
     rows = failures({each.evaluated.title: verdict for each, verdict in pairs})
     print_table(rows.pop(""), rows)

@@ -74,7 +74,7 @@ INPUTS = {
     "IT4": TestInput(_IT, 0.89, 17.78, 1.59, (39, 54, 11)),
     "AG1": TestInput(_AG, 0.89, 11.22, 2.26, (39, 120, 197)),
     "AG2": TestInput(_AG, 0.89, 11.22, 1.94, (3663, 805, 473)),
-    "AG3": TestInput(_AG, 0.89, 11.22, 1.74, (1358, 1475, 701)),
+    "AG3": TestInput(_AG, 0.89, 11.22, 1.74, (952, 2741, 1932)),
 }
 """Name of a class to its input.
 
