@@ -12,7 +12,7 @@ from cosim.metrics.spectra import (
     sine_transmissibility,
     transmissibility,
 )
-from cosim.metrics.suspension import actuator, deflection_range, end_stops
+from cosim.metrics.suspension import actuator, deflection_range, end_stops, impact_share
 from cosim.metrics.weighting import weighted, wk
 from cosim.metrics.whole_body import (
     Ride,
@@ -44,6 +44,7 @@ __all__ = [
     "fit_sine",
     "hours_to_a8",
     "hours_to_vdv",
+    "impact_share",
     "mtvv",
     "peak",
     "psd",

@@ -131,6 +131,55 @@ def end_stops(deflection: npt.ArrayLike, rate: float, travel: float, warm_up: fl
     )
 
 
+RINGING = 0.25
+"""Duration in s after a contact with an end stop that :func:`impact_share` counts as part of the impact."""
+
+
+def impact_share(
+    weighted: npt.ArrayLike, deflection: npt.ArrayLike, rate: float, travel: float, warm_up: float = 0.0
+) -> float:
+    """Calculate the share of the vibration dose value that impacts on the end stops have.
+
+    It is 1 - VDV_0 / VDV, with VDV_0 the dose without the samples in contact and those up to :data:`RINGING` later: the
+    share by which the dose would be lower without impacts.
+
+    Parameters
+    ----------
+    weighted
+        Weighted acceleration of the driver in m/s2, already without the warm-up, shape (samples - warm_up * rate,).
+    deflection
+        Deflection in m, from static equilibrium, shape (samples,).
+    rate
+        Sampling rate in Hz.
+    travel
+        Travel from static equilibrium to either end stop, in m.
+    warm_up
+        Duration to remove at the beginning of the deflection, in s.
+
+    Returns
+    -------
+    float
+        From 0 to 1; 0 without contact, and for a driver who does not move.
+
+    Raises
+    ------
+    SignalError
+        If the travel is not above 0, the lengths differ, or the samples are invalid.
+
+    Examples
+    --------
+    >>> impact_share([1.0, 1.0], [0.0, 0.0], rate=2.0, travel=0.04)
+    0.0
+    """
+    signals = check_equal_length(weighted=weighted, deflection=trim(deflection, rate, warm_up, name="deflection"))
+    dose = signals["weighted"] ** 4
+    touching = np.abs(signals["deflection"]) >= check_positive("travel", travel, "m")
+    window = 1 + round(RINGING * rate)
+    during = np.convolve(touching, np.ones(window))[: touching.size] > 0.5
+    total = float(dose.sum())
+    return 1.0 - float((dose[~during].sum() / total) ** 0.25) if total > 0.0 else 0.0
+
+
 @dataclass(frozen=True)
 class ActuatorEffort:
     """Force, power and energy of an actuator; power is positive where it drives the suspension.

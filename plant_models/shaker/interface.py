@@ -32,7 +32,7 @@ class SweepMode(IntEnum):
 
 
 class RandomClass(IntEnum):
-    """Classes of earth-moving machinery in ISO 7096."""
+    """Classes of machines: earth-moving (EM, ISO 7096), industrial trucks (IT, EN 13490), tractors (AG, ISO 5007)."""
 
     EM1 = 1
     EM2 = 2
@@ -43,6 +43,13 @@ class RandomClass(IntEnum):
     EM7 = 7
     EM8 = 8
     EM9 = 9
+    IT1 = 10
+    IT2 = 11
+    IT3 = 12
+    IT4 = 13
+    AG1 = 14
+    AG2 = 15
+    AG3 = 16
 
 
 @dataclass(slots=True)
@@ -143,7 +150,9 @@ class Parameters:
         minimum=0.01,
     )
     random_class: RandomClass = parameter(
-        RandomClass.EM1, "ISO 7096 class of the random motion, which starts at rest", name="random.class"
+        RandomClass.EM1,
+        "Class of the random motion, which starts at rest: EM of ISO 7096, IT of EN 13490, AG of ISO 5007",
+        name="random.class",
     )
     random_scale: float = parameter(
         p.RANDOM_SCALE, "Factor on the amplitudes of the class, not on its spectrum", name="random.scale", minimum=0.0

@@ -18,7 +18,7 @@ typedef struct {
     double low_corner, level;
 } spectrum_t;
 
-/* Spectra of the classes in ISO 7096. */
+/* Spectra of the classes in ISO 7096 (EM), EN 13490 (IT) and ISO 5007 (AG); noise.py names their source. */
 static const spectrum_t spectra[] = {
     {4, 1.5, 4, 2.5, 2.82}, /* EM1 */
     {4, 1.5, 4, 3.0, 2.72}, /* EM2 */
@@ -29,6 +29,13 @@ static const spectrum_t spectra[] = {
     {8, 3.0, 8, 3.5, 9.25}, /* EM7 */
     {4, 3.0, 2, 3.0, 1.45}, /* EM8 */
     {4, 3.5, 2, 4.0, 2.10}, /* EM9 */
+    {4, 4.5, 2, 5.0, 1.66}, /* IT1 */
+    {4, 3.0, 2, 3.0, 1.45}, /* IT2 */
+    {4, 1.5, 4, 3.0, 0.60}, /* IT3 */
+    {4, 1.5, 4, 3.0, 1.64}, /* IT4 */
+    {8, 3.0, 8, 3.5, 9.25}, /* AG1 */
+    {8, 2.1, 8, 2.6, 7.22}, /* AG2 */
+    {8, 1.95, 8, 2.45, 5.85}, /* AG3 */
 };
 
 /* ---- complex numbers --------------------------------------------------------------------------------------------- */

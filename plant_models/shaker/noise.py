@@ -1,4 +1,4 @@
-"""Random floor motion of the ISO 7096 classes: seeded white noise through Butterworth filters.
+"""Random floor motion of classes of machines: seeded white noise through Butterworth filters.
 
 The power spectral density of the acceleration is G = g |H|^2 with
 
@@ -15,7 +15,7 @@ in conjugate pairs: one of each pair is kept, with twice its residue.
 The noise w is held over ticks, normal with the variance g/(2 tick), so that its density is g sinc^2(f tick): 0.4 % less
 than g at 17.8 Hz. Over a tick each mode advances exactly, x <- exp(p tick) x + (exp(p tick) - 1)/p w. The noise of tick
 n follows from seed and n alone, so the motion does not depend on the communication steps. It starts at rest and is
-stationary within 1 % after five of the longest time constants, 1.4 s in EM1 to EM5 and EM7.
+stationary within 1 % after five of the longest time constants, 1.4 s in EM1 to EM5 and EM7, 2.1 s in AG3.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from plant_models.random_numbers import random_normal
 from plant_models.shaker.interface import Outputs, RandomClass
 
 MAX_MODES = 8
-"""Number of pole pairs in EM7, which has the most."""
+"""Number of pole pairs in EM7 and AG1 to AG3, which have the most."""
 
 
 class Spectrum(NamedTuple):
@@ -61,8 +61,19 @@ SPECTRA = {
     RandomClass.EM7: Spectrum(8, 3.0, 8, 3.5, 9.25),
     RandomClass.EM8: Spectrum(4, 3.0, 2, 3.0, 1.45),
     RandomClass.EM9: Spectrum(4, 3.5, 2, 4.0, 2.10),
+    RandomClass.IT1: Spectrum(4, 4.5, 2, 5.0, 1.66),
+    RandomClass.IT2: Spectrum(4, 3.0, 2, 3.0, 1.45),
+    RandomClass.IT3: Spectrum(4, 1.5, 4, 3.0, 0.60),
+    RandomClass.IT4: Spectrum(4, 1.5, 4, 3.0, 1.64),
+    RandomClass.AG1: Spectrum(8, 3.0, 8, 3.5, 9.25),
+    RandomClass.AG2: Spectrum(8, 2.1, 8, 2.6, 7.22),
+    RandomClass.AG3: Spectrum(8, 1.95, 8, 2.45, 5.85),
 }
-"""Spectra of the classes in ISO 7096."""
+"""Spectra of the classes in ISO 7096 (EM), EN 13490:2001 (IT) and ISO 5007:2003 (AG).
+
+The constants are those of the HVLab Human Response to Vibration Toolbox (hvtestspectrum, issue 1.1, 2009), not read in
+the standards. Integrated over their bands, all give the RMS that its other function (hvtestsignal) scales them to.
+"""
 
 
 class Mode(NamedTuple):
@@ -129,7 +140,7 @@ def prepare(random_class: RandomClass, scale: float, tick: float) -> tuple[Mode,
     Parameters
     ----------
     random_class
-        Class of ISO 7096.
+        Class of machines.
     scale
         Factor on all signals.
     tick

@@ -11,13 +11,15 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from cosim.engine.editing import edit
+from cosim.errors import SetupError
 from cosim.system import System
 from seat_cosim.carried import system_file
 from seat_cosim.cli.console import command_line, console, print_warnings, progress_shown
-from seat_cosim.cli.folders import EVALUATION, choose_folder, force_option, write_command
+from seat_cosim.cli.folders import EVALUATION, choose_folder, force_option
 from seat_cosim.cli.options import listed, replace_option, replacements, settings
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
-from seat_cosim.evaluation.seat import PASSIVE_NOTE, passive_seat, seat_signals
+from seat_cosim.evaluation.installation import Installation
+from seat_cosim.evaluation.seat import PASSIVE_NOTE, common_parameters, installed, passive_seat, seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained
@@ -26,15 +28,28 @@ from seat_cosim.scenarios import read_parameter_sets
 if TYPE_CHECKING:  # the metrics take long to load
     from seat_cosim.evaluation.protocol import Protocol
     from seat_cosim.evaluation.results import Evaluation
+    from seat_cosim.evaluation.verdict import SeatVerdict
 
 _DEFAULT = seat_signals()
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path), required=False, metavar="[FILE.ssp|NAME]")
-@click.option("--classes", metavar="EM1,EM3", help="Of ISO 7096 [default: all nine].")
-@click.option("--masses", metavar="KG,KG", help="Drivers [default: 45,55,70,80,100,120].")
-@click.option("--seeds", metavar="N,N", help="A run each [default: 1,2,3].")
+@click.option(
+    "--protocol",
+    type=click.Choice(["iso7096", "survey"]),
+    default="survey",
+    show_default=True,
+    help="Two persons on one repeated input and a damping test, or many drivers on several inputs.",
+)
+@click.option(
+    "--travel",
+    metavar="MM|none",
+    help="Of the test, each way, with rubber end stops; for both seats [default: 40].",
+)
+@click.option("--classes", metavar="EM1,EM3", help="Of ISO 7096, EN 13490, ISO 5007 [default: EM1 to EM9].")
+@click.option("--masses", metavar="KG,KG", help="Drivers [default: 45,55,70,80,100,120; iso7096: 55,100].")
+@click.option("--seeds", metavar="N,N", help="A run each [default: three that conform; iso7096: one].")
 @click.option("--duration", type=float, metavar="S", help="Evaluated of each run [default: 180].")
 @click.option("--settle", "--warm-up", "warm_up", type=float, metavar="S", help="Left out before it [default: 10].")
 @seat_options("mode", "gains", "observer", "control", "parameter_files", "settings")
@@ -72,6 +87,7 @@ def evaluate(
     file: Path | None,
     seat: SeatOptions,
     replace: tuple[str, ...],
+    travel: str | None,
     seat_signal: str | None,
     floor_signal: str | None,
     deflection_signal: str | None,
@@ -85,22 +101,24 @@ def evaluate(
     force: bool,
     **given: Any,
 ) -> None:
-    """Evaluate a seat by ISO 7096 and ISO 2631-1: SEAT, VDV, stroke, force over machines and drivers.
+    """Evaluate a seat by ISO 7096 and ISO 2631-1: a verdict of named criteria over machines and drivers.
 
     Without FILE.ssp the seat suspension is evaluated, otherwise any system that has our Shaker, by the names of its
-    signals; the passive seat is evaluated beside it. Writes a page (evaluation.html), a table (evaluation.csv), a
-    figure (seat.svg, seat.png) and the system as it was evaluated (system.ssp).
+    signals; the passive seat is evaluated beside it, with the same floor, driver, travel and end stops. Writes a page
+    (evaluation.html), tables (evaluation.csv, evaluation.json), figures (seat.svg, seat.png, inputs.svg) and the system
+    as it was evaluated (system.ssp).
 
     \b
     Examples:
       seat-cosim evaluate
-      seat-cosim evaluate --observer 2 --classes EM1,EM3 --masses 55,100
+      seat-cosim evaluate --protocol iso7096
+      seat-cosim evaluate --travel none --observer 2 --classes EM1,EM3 --masses 55,100
       seat-cosim evaluate --mode robust --set seat.actuator.time_constant=0.005
       seat-cosim evaluate --replace controller=Skyhook.fmu
       seat-cosim evaluate Chair.ssp --seat-signal chair.acc --driver-mass-parameter chair.load
     """
     from seat_cosim.evaluation.evaluate_to_folder import evaluate_to_folder
-    from seat_cosim.evaluation.verdict import LIMITS_NOTE, MODEL_NOTE, verdict
+    from seat_cosim.evaluation.verdict import LIMITS_NOTE, MODEL_NOTE, judge_all, protocol_notes
 
     names = {
         "seat_acceleration": seat_signal,
@@ -111,10 +129,13 @@ def evaluate(
         "end_stop_travel": travel_parameter,
     }
     protocol = _protocol(**given)
+    installation = Installation.of(travel) if travel else Installation()
     file = system_file(file) if file else None
     system = System.load(file) if file else seat.system()
     edit(system, replacements(replace), (), ())
-    system.parameters |= seat.parameters(system)
+    fixture = installed(system, installation)
+    before = system.parameters | fixture if travel else fixture | system.parameters
+    system.parameters |= before | seat.parameters(system, before)
     system.check_parameters({})
     refuse_idle(
         settings(seat.settings, system),
@@ -123,13 +144,15 @@ def evaluate(
     )
     signals = seat_signals(shaker).for_system(system, {name: value for name, value in names.items() if value})
     reference = seat.system()
+    common = installed(reference, installation) | common_parameters(system, shaker)
     systems = [
-        EvaluatedSystem(_title(system, seat, replace), system, signals),
-        passive_seat(reference, read_parameter_sets([passive], reference)),
+        EvaluatedSystem(_title(system, seat, replace), system, signals, installation.travel),
+        passive_seat(reference, read_parameter_sets([passive], reference), common, _measured(names, reference)),
     ]
     default = Path("results", "evaluate", file.stem if file else system.name)
     folder = choose_folder(output, default, command_line(), force=force, marker=EVALUATION)
-    notes = [MODEL_NOTE, LIMITS_NOTE, *([PASSIVE_NOTE] if passive == "passive" else [])]
+    notes = [f"Installation of both seats: {_words(installation, systems)}.", *protocol_notes(protocol)]
+    notes += [MODEL_NOTE, LIMITS_NOTE, *([PASSIVE_NOTE] if passive == "passive" else [])]
     with progress_shown("evaluating") as report:
         evaluations, files = evaluate_to_folder(
             systems,
@@ -140,24 +163,45 @@ def evaluate(
             command=command_line(),
             notes=notes,
         )
-    write_command(folder / EVALUATION, command_line())
-    for evaluation in evaluations:
-        console.print(_table(evaluation, protocol))
+    verdicts = judge_all(evaluations, protocol)
+    for evaluation, verdict in zip(evaluations, verdicts, strict=True):
+        console.print(_table(evaluation, verdict, protocol))
+    console.print(_criteria(verdicts[0], evaluations[0].evaluated.title))
     print_warnings(explained(evaluations[0].warnings, seat.gains))
-    console.print(f"{verdict(evaluations[0])}.")
+    for evaluation, verdict in zip(evaluations[1:], verdicts[1:], strict=True):
+        console.print(f"{evaluation.evaluated.title}: {verdict.sentence}.")
+    console.print(f"{verdicts[0].sentence}.")
     for note in notes:
         console.print(f"- {note}")
     console.print(f"{', '.join(path.name for path in files)} in {folder}", soft_wrap=True)
 
 
-def _protocol(**given: Any) -> Protocol:
+def _protocol(protocol: str, **given: Any) -> Protocol:
     """Make the protocol of the options that are given."""
-    from seat_cosim.evaluation.protocol import Protocol
+    from seat_cosim.evaluation.protocol import PROTOCOLS
 
     for name, kind, what in (("classes", str, "names"), ("masses", float, "numbers"), ("seeds", int, "whole numbers")):
         if given[name] is not None:
             given[name] = listed(f"--{name}", given[name], kind, what)
-    return Protocol(**{name: value for name, value in given.items() if value is not None})
+            if not given[name]:
+                raise SetupError(f"{name}: expected each once, got none")
+    return PROTOCOLS[protocol](**{name: value for name, value in given.items() if value is not None})
+
+
+def _measured(names: dict[str, Any], reference: System) -> dict[str, str]:
+    """Return where the accelerations of the test are measured, if the passive seat has these outputs."""
+    places = {name: names[name] for name in ("seat_acceleration", "floor_acceleration")}
+    outputs = reference.outputs()
+    return {name: place for name, place in places.items() if place and place in outputs}
+
+
+def _words(installation: Installation, systems: list[EvaluatedSystem]) -> str:
+    """Return the installation as words; that of the seats, where parameters changed it."""
+    travels = {each.end_stop_travel for each in systems}
+    if travels == {installation.travel}:
+        return installation.words
+    listed_travels = ", ".join("none" if each is None else f"{1e3 * each:g} mm" for each in travels)
+    return f"travel each way, by parameters: {listed_travels}"
 
 
 def _title(system: System, seat: SeatOptions, replace: tuple[str, ...]) -> str:
@@ -166,29 +210,44 @@ def _title(system: System, seat: SeatOptions, replace: tuple[str, ...]) -> str:
     return ", ".join([system.name, *seat.choices, *(Path(file).stem for file in files)])
 
 
-def _table(evaluation: Evaluation, protocol: Protocol) -> Table:
-    """Make a table of all SEAT, those above the limit marked, and of the largest other metrics."""
-    from seat_cosim.evaluation.protocol import seat_limit
-    from seat_cosim.evaluation.results import METRICS
-    from seat_cosim.evaluation.verdict import exceeds_limit
+def _table(evaluation: Evaluation, verdict: SeatVerdict, protocol: Protocol) -> Table:
+    """Make a table of all SEAT, those of combinations that fail marked, and of the largest other metrics."""
+    from seat_cosim.evaluation.criteria import Outcome
+    from seat_cosim.evaluation.inputs import INPUTS
+    from seat_cosim.evaluation.results import TABLE_METRICS
 
     results = evaluation.results
-    table = Table("SEAT", title=evaluation.evaluated.title, title_justify="left", box=SIMPLE)
+    title = f"{evaluation.evaluated.title} (!: fails a criterion)"
+    table = Table("SEAT", title=title, title_justify="left", box=SIMPLE)
     for name in protocol.classes:
         table.add_column(name, justify="right")
-    limits = [seat_limit(name) for name in protocol.classes]
+    limits = [INPUTS[name].seat_limit if name in INPUTS else None for name in protocol.classes]
     table.add_row("limit", *("–" if limit is None else f"{limit:.1f}" for limit in limits))
+    marks = {key: "!" if cell.outcome is Outcome.FAIL else "" for key, cell in verdict.cells.items()}
     for mass in protocol.masses:
-        row = [(name, results[name, mass]) for name in protocol.classes]
-        table.add_row(
-            f"{mass:g} kg", *(f"{result.seat:.2f}{'!' if exceeds_limit(name, result) else ''}" for name, result in row)
-        )
+        row = [(name, mass) for name in protocol.classes]
+        table.add_row(f"{mass:g} kg", *(f"{results[key].seat:.2f}{marks[key]}" for key in row))
     table.add_section()
-    for metric in METRICS[1:]:
+    for metric in TABLE_METRICS[1:]:
         worst = (
-            max((results[name, mass] for mass in protocol.masses), key=lambda result: metric.number(result) or 0.0)
+            max((results[name, mass] for mass in protocol.masses), key=lambda result: abs(metric.number(result) or 0.0))
             for name in protocol.classes
         )
         unit = f", {metric.unit_shown}" if metric.unit_shown else ""
         table.add_row(f"worst {metric.title}{unit}", *(metric.text(result) for result in worst))
+    return table
+
+
+def _criteria(verdict: SeatVerdict, title: str) -> Table:
+    """Make a table of the criteria with their worst values."""
+    from seat_cosim.evaluation.criteria import Outcome
+
+    table = Table("criterion", title=f"Criteria: {title}", title_justify="left", box=SIMPLE)
+    for name in ("worst", "limit", "where", "failed", "verdict"):
+        table.add_column(name, justify="right")
+    for each in verdict.criteria:
+        criterion, worst = each.criterion, each.worst
+        failed = f"{each.counts[Outcome.FAIL]} of {len(verdict.cells)}"
+        numbers = (criterion.text(worst.value), criterion.text(worst.limit))
+        table.add_row(criterion.words, *numbers, each.place, failed, str(worst.outcome))
     return table

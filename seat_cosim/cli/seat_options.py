@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
@@ -101,7 +101,7 @@ class SeatOptions:
         """Return the seat suspension of the chosen FMUs, with its default parameters."""
         return scenarios.seat_suspension(carried.fmu_folder(self.flavour, self.fmus_folder))
 
-    def parameters(self, system: Structure) -> dict[str, Value]:
+    def parameters(self, system: Structure, before: Mapping[str, Value] | None = None) -> dict[str, Value]:
         """Return the parameters that the options set.
 
         Later ones win: mode, parameter sets, gains, observer, control, driver's mass, single parameters.
@@ -110,11 +110,13 @@ class SeatOptions:
         ----------
         system
             System whose parameters they are.
+        before
+            Parameters that hold where the options say nothing; a control law may depend on them.
 
         Returns
         -------
         dict
-            ``component.variable`` to value.
+            ``component.variable`` to value, without those before.
 
         Raises
         ------
@@ -134,7 +136,7 @@ class SeatOptions:
             found |= scenarios.driver_mass(self.driver_mass)
         found |= with_user_paths(settings(self.settings, system), system)
         if self.mode is not None:
-            found = scenarios.mode(self.mode, found) | found
+            found = scenarios.mode(self.mode, {**(before or {}), **found}) | found
         return found
 
     def check(self) -> None:

@@ -13,16 +13,19 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cosim.engine.session import Session
 from cosim.errors import CosimError, RunError, SetupError, SignalError
-from cosim.metrics import actuator, deflection_range, end_stops, ride, seat_factor
+from cosim.metrics import actuator, deflection_range, end_stops, impact_share, ride, seat_factor, weighted
+from cosim.metrics.samples import trim
 from cosim.results.result import Result
 from cosim.system import System
-from seat_cosim.evaluation.protocol import Protocol
+from seat_cosim.evaluation.damping import DampingTest, run_damping_test
+from seat_cosim.evaluation.inputs import conformity
+from seat_cosim.evaluation.protocol import Protocol, Run
 from seat_cosim.evaluation.results import DriverClassResult, Evaluation, RideResult
 from seat_cosim.evaluation.system import EvaluatedSystem
 
@@ -77,10 +80,11 @@ def check(evaluated: EvaluatedSystem, protocol: Protocol) -> None:
 
 def _rides_to_check(protocol: Protocol) -> Iterator[tuple[str, float, int]]:
     """Yield rides in which each class, each mass and each seed appears."""
-    (first_class, *_), (first_mass, *_), (first_seed, *_) = protocol.classes, protocol.masses, protocol.seeds
-    yield from ((name, first_mass, first_seed) for name in protocol.classes)
-    yield from ((first_class, mass, first_seed) for mass in protocol.masses)
-    yield from ((first_class, first_mass, seed) for seed in protocol.seeds)
+    (first_class, *_), (first_mass, *_) = protocol.classes, protocol.masses
+    runs = {name: protocol.runs(name) for name in protocol.classes}
+    yield from ((name, first_mass, runs[name][0].seed) for name in protocol.classes)
+    yield from ((first_class, mass, runs[first_class][0].seed) for mass in protocol.masses)
+    yield from ((first_class, first_mass, run.seed) for run in runs[first_class])
 
 
 def _sampling_rate(system: System) -> float:
@@ -107,7 +111,7 @@ def evaluate(
         crashes its process raises an error; a script that calls this function must then guard its main part
         (``if __name__ == "__main__":``), as :mod:`multiprocessing` requires.
     progress
-        Called after each job; a job is one class on one system.
+        Called after each job; a job is one class on one system, or a damping test.
 
     Returns
     -------
@@ -123,43 +127,53 @@ def evaluate(
     """
     for evaluated in systems:
         check(evaluated, protocol)
-    jobs = list(product(systems, protocol.classes))
+    tests: tuple[str | None, ...] = (*protocol.classes, None) if protocol.repeats_inputs else protocol.classes
+    jobs = list(product(systems, tests))
     if processes == 1:
         done = _run_here(jobs, protocol, progress)
     else:
         done = _run_in_processes(jobs, protocol, processes, progress)
     by_job = iter(done)
-    return [_evaluation(evaluated, protocol, [next(by_job) for _ in protocol.classes]) for evaluated in systems]
+    return [_evaluation(evaluated, protocol, [next(by_job) for _ in tests]) for evaluated in systems]
 
 
-def _evaluation(evaluated: EvaluatedSystem, protocol: Protocol, found: Sequence[ClassResults]) -> Evaluation:
+def _evaluation(evaluated: EvaluatedSystem, protocol: Protocol, jobs: Sequence[_Found]) -> Evaluation:
     """Collect the results of one system."""
+    found = [each for each in jobs if isinstance(each, ClassResults)]
+    damping = next((each for each in jobs if isinstance(each, DampingTest)), None)
     results = {
         (excitation_class, mass): result
         for excitation_class, (drivers, _) in zip(protocol.classes, found, strict=True)
         for mass, result in zip(protocol.masses, drivers, strict=True)
     }
     warnings = dict.fromkeys(text for _, texts in found for text in texts)
-    return Evaluation(evaluated, results, list(warnings))
+    return Evaluation(evaluated, results, list(warnings), damping)
 
 
-_Job = tuple[EvaluatedSystem, str]
+_Job = tuple[EvaluatedSystem, str | None]
+"""A system and a class, or None for the damping test."""
+
+_Found = ClassResults | DampingTest | None
 
 
-def _run_here(jobs: Sequence[_Job], protocol: Protocol, progress: Progress) -> list[ClassResults]:
+def _run_job(evaluated: EvaluatedSystem, excitation_class: str | None, protocol: Protocol) -> _Found:
+    if excitation_class is None:
+        return damping_of(evaluated)
+    return ride_class(evaluated, excitation_class, protocol)
+
+
+def _run_here(jobs: Sequence[_Job], protocol: Protocol, progress: Progress) -> list[_Found]:
     done = []
     for number, job in enumerate(jobs, 1):
-        done.append(ride_class(*job, protocol))
+        done.append(_run_job(*job, protocol))
         progress(number, len(jobs))
     return done
 
 
-def _run_in_processes(
-    jobs: Sequence[_Job], protocol: Protocol, processes: int, progress: Progress
-) -> list[ClassResults]:
+def _run_in_processes(jobs: Sequence[_Job], protocol: Protocol, processes: int, progress: Progress) -> list[_Found]:
     """Run jobs in spawned processes: threads of an FMU do not survive a fork."""
     with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
-        futures = [pool.submit(ride_class, *job, protocol) for job in jobs]
+        futures = [pool.submit(_run_job, *job, protocol) for job in jobs]
         try:
             for number, future in enumerate(as_completed(futures), 1):
                 future.result()
@@ -194,11 +208,11 @@ def ride_class(evaluated: EvaluatedSystem, excitation_class: str, protocol: Prot
     with evaluated.system.open() as session:
         for mass in protocol.masses:
             rides = []
-            for seed in protocol.seeds:
+            for run in protocol.runs(excitation_class):
                 try:
-                    found, texts = _ride(session, evaluated, protocol, (excitation_class, mass, seed))
+                    found, texts = _ride(session, evaluated, protocol, (excitation_class, mass, run))
                 except CosimError as error:
-                    where = f"{evaluated.title}, {excitation_class}, {mass:g} kg, seed {seed}"
+                    where = f"{evaluated.title}, {excitation_class}, {mass:g} kg, seed {run.seed}"
                     raise RunError(f"{where}: {error}") from error
                 rides.append(found)
                 warnings |= dict.fromkeys(texts)
@@ -206,15 +220,42 @@ def ride_class(evaluated: EvaluatedSystem, excitation_class: str, protocol: Prot
     return ClassResults(results, list(warnings))
 
 
+def damping_of(evaluated: EvaluatedSystem) -> DampingTest | None:
+    """Run the damping test of a system, with the FMUs loaded once.
+
+    Parameters
+    ----------
+    evaluated
+        The system.
+
+    Raises
+    ------
+    RunError
+        If an FMU failed; names the test.
+    """
+    with evaluated.system.open() as session:
+        try:
+            return run_damping_test(evaluated, session, _sampling_rate(evaluated.system))
+        except CosimError as error:
+            raise RunError(f"{evaluated.title}, damping test: {error}") from error
+
+
 def _ride(
-    session: Session, evaluated: EvaluatedSystem, protocol: Protocol, which: tuple[str, float, int]
+    session: Session, evaluated: EvaluatedSystem, protocol: Protocol, which: tuple[str, float, Run]
 ) -> tuple[RideResult, Sequence[str]]:
-    """Run one ride of a class, mass and seed; returns its metrics and the warnings of the FMUs."""
-    signals = evaluated.signals
-    result = session.run(protocol.stop_time, parameters=signals.parameters(*which), record=list(signals.outputs))
+    """Run one ride of a class, mass and run; returns its metrics and the warnings of the FMUs."""
+    signals, rate = evaluated.signals, _sampling_rate(evaluated.system)
+    excitation_class, mass, run = which
+    parameters = signals.parameters(excitation_class, mass, run.seed)
+    if signals.noise_seed is not None and run.repetition:
+        parameters[signals.noise_seed] = evaluated.sensor_seed + run.repetition
+    result = session.run(protocol.stop_time, parameters=parameters, record=list(signals.outputs))
     if result.error is not None:
         raise result.error
-    return measure(evaluated, result, _sampling_rate(evaluated.system), protocol.warm_up), result.warnings
+    found = measure(evaluated, result, rate, protocol.warm_up)
+    floor = evaluated.in_si_units(signals.floor_acceleration, result[signals.floor_acceleration])
+    fits = conformity(excitation_class, floor, rate, protocol.warm_up)
+    return replace(found, conformity=fits, run=run), result.warnings
 
 
 def measure(evaluated: EvaluatedSystem, result: Result, rate: float, warm_up: float) -> RideResult:
@@ -246,10 +287,41 @@ def measure(evaluated: EvaluatedSystem, result: Result, rate: float, warm_up: fl
     if signals.suspension_deflection is None:
         return found
     deflection = samples[signals.suspension_deflection]
-    found = replace(found, peak_deflection=deflection_range(deflection, rate, warm_up).peak)
+    remaining = trim(deflection, rate, warm_up, name="deflection")
+    found = replace(
+        found,
+        peak_deflection=deflection_range(deflection, rate, warm_up).peak,
+        mean_deflection=float(remaining.mean()),
+    )
     if (travel := evaluated.end_stop_travel) is not None:
-        found = replace(found, end_stop_hits=end_stops(deflection, rate, travel, warm_up).hits)
+        driver = weighted(samples[signals.seat_acceleration], rate, warm_up)
+        found = replace(
+            found,
+            end_stop_hits=end_stops(deflection, rate, travel, warm_up).hits,
+            impact_share=impact_share(driver, deflection, rate, travel, warm_up),
+        )
     if signals.actuator_force is None:
         return found
-    spent = actuator(samples[signals.actuator_force], deflection, rate, warm_up)
+    force = samples[signals.actuator_force]
+    spent = actuator(force, deflection, rate, warm_up)
+    if (limit := evaluated.force_limit) is not None:
+        found = replace(found, saturated_share=time_at(limit, trim(force, rate, warm_up, name="force")))
     return replace(found, force_rms=spent.force_rms, driving_power=spent.power_positive)
+
+
+def time_at(limit: float, force: np.ndarray[Any, Any]) -> float:
+    """Return the share of the samples in which a force is at its limit.
+
+    Parameters
+    ----------
+    limit
+        Largest magnitude in N.
+    force
+        Force in N, shape (samples,).
+
+    Examples
+    --------
+    >>> time_at(250.0, np.array([0.0, 250.0, -250.0, 249.0]))
+    0.5
+    """
+    return float(np.mean(np.abs(force) >= limit * (1.0 - 1e-9)))

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
+from cosim.engine.structure import Structure
 from cosim.fmi.values import Value
 from cosim.system import System
+from seat_cosim.evaluation.installation import Installation
 from seat_cosim.evaluation.system import EvaluatedSystem, SignalMap
-from seat_cosim.scenarios import control, driver_mass
+from seat_cosim.scenarios import control, driver_mass, read_parameter_sets
 
 PASSIVE_NOTE = (
     "The passive seat is not the paper's, of which nothing is published: its damping is fitted on one of its numbers, "
     "its friction is assumed; see docs/explanation/calibration.md."
 )
 """Note on the parameter set ``passive``, for readers of a report."""
+
+_TRAVEL, _STIFFNESS, _DAMPING = "seat.end_stop.travel", "seat.end_stop.stiffness", "seat.end_stop.damping"
+
+_OF_THE_TEST = ("driver_mass", "cushion_", "end_stop.", "floor_signals")
+"""Beginnings of the names of SeatPlant's parameters that belong to the test: driver, cushion, end stops, floor."""
 
 
 def seat_signals(shaker: str = "shaker") -> SignalMap:
@@ -39,11 +47,83 @@ def seat_signals(shaker: str = "shaker") -> SignalMap:
         seed=f"{shaker}.random.seed",
         suspension_deflection="seat.suspension_deflection",
         actuator_force="controller.force",
-        end_stop_travel="seat.end_stop.travel",
+        end_stop_travel=_TRAVEL,
+        force_limit="controller.force_limit",
+        noise_seed="seat.sensor.seed",
+        sine={f"{shaker}.profile": "sine"},
+        sine_frequency=f"{shaker}.sine.frequency",
+        sine_amplitude=f"{shaker}.sine.amplitude",
     )
 
 
-def passive_seat(system: System, parameters: Mapping[str, Value]) -> EvaluatedSystem:
+def installed(system: Structure, installation: Installation) -> dict[str, Value]:
+    """Return the parameters that give a seat the travel and the end stops of a test.
+
+    Parameters
+    ----------
+    system
+        The system; one without the parameters of our SeatPlant's end stops keeps its own.
+    installation
+        Travel and end stops.
+
+    Returns
+    -------
+    dict
+        ``component.variable`` to value.
+    """
+    if not all(map(system.has, (_TRAVEL, _STIFFNESS, _DAMPING))):
+        return {}
+    if installation.travel is None:
+        return {_TRAVEL: 0.0}
+    return {_TRAVEL: installation.travel, _STIFFNESS: installation.stiffness, _DAMPING: installation.damping}
+
+
+def common_parameters(system: System, shaker: str = "shaker") -> dict[str, Value]:
+    """Return the parameters of a system that belong to the test, not to its seat: floor, driver, travel, end stops.
+
+    Parameters
+    ----------
+    system
+        The system that is tested; parameters of other FMUs than ours are the seat's.
+    shaker
+        Name of its Shaker.
+
+    Returns
+    -------
+    dict
+        Names in the seat suspension, as ``component.variable``, to values.
+    """
+    found = {}
+    for name, value in system.parameters.items():
+        component, _, variable = name.partition(".")
+        if component == shaker and _is(system, shaker, "Shaker"):
+            found[f"shaker.{variable}"] = value
+        elif component == "seat" and variable.startswith(_OF_THE_TEST) and _is(system, "seat", "SeatPlant"):
+            found[name] = value
+    return found
+
+
+def inert_load(system: System) -> dict[str, Value]:
+    """Return the parameters that strap the load to a seat, without a cushion between; none for other seats than ours.
+
+    Parameters
+    ----------
+    system
+        The system.
+    """
+    return read_parameter_sets(["load"], system) if _is(system, "seat", "SeatPlant") else {}
+
+
+def _is(system: System, component: str, model: str) -> bool:
+    return component in system.models and system.models[component].description.modelName == model
+
+
+def passive_seat(
+    system: System,
+    parameters: Mapping[str, Value],
+    common: Mapping[str, Value] | None = None,
+    measured: Mapping[str, str] | None = None,
+) -> EvaluatedSystem:
     """Switch a seat suspension's controller off and return it as an evaluated system.
 
     Parameters
@@ -52,6 +132,12 @@ def passive_seat(system: System, parameters: Mapping[str, Value]) -> EvaluatedSy
         From :func:`seat_cosim.scenarios.seat_suspension`; its parameters are changed.
     parameters
         Parameters of the passive seat, as ``component.variable``.
+    common
+        Parameters of the test, from :func:`installed` and :func:`common_parameters`; they win.
+    measured
+        Outputs at which the test measures accelerations: fields of the signal map to their names.
     """
-    system.parameters |= {**control(False), **parameters}
-    return EvaluatedSystem("passive seat", system, replace(seat_signals(), actuator_force=None))
+    system.parameters |= {**control(False), **parameters, **(common or {})}
+    places: dict[str, Any] = dict(measured or {})
+    signals = replace(seat_signals(), actuator_force=None, force_limit=None, **places)
+    return EvaluatedSystem("passive seat", system, signals, is_passive=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -37,8 +37,16 @@ class SignalMap:
     suspension_deflection, actuator_force
         Outputs; None for a system without.
     end_stop_travel
-        Parameter that holds the deflection, in m to each side, at which the end stops are met (0: no end stops); None
-        for a system without.
+        Parameter that holds the deflection, to each side, at which the end stops are met (0: no end stops); None for a
+        system without.
+    force_limit
+        Parameter that holds the largest force of the actuator (0: none); None for a system without.
+    noise_seed
+        Parameter that takes the seed of the sensors' noise; None for a system without.
+    sine
+        Parameters, with their values, under which the floor moves as a sine.
+    sine_frequency, sine_amplitude
+        Parameters that take its frequency in Hz and the amplitude of its displacement in m.
     """
 
     floor_acceleration: str
@@ -50,6 +58,11 @@ class SignalMap:
     suspension_deflection: str | None = None
     actuator_force: str | None = None
     end_stop_travel: str | None = None
+    force_limit: str | None = None
+    noise_seed: str | None = None
+    sine: Mapping[str, Value] = field(default_factory=dict)
+    sine_frequency: str | None = None
+    sine_amplitude: str | None = None
 
     @property
     def outputs(self) -> dict[str, Unit]:
@@ -95,7 +108,7 @@ class SignalMap:
             The system that has the variables.
         given
             Field of this class to its value; the system must have these variables. Of the other fields, masses,
-            deflection, force and travel are left out where the system has no variable of the name.
+            deflection, force, its limit, travel and the noise's seed are left out where there is no such variable.
 
         Raises
         ------
@@ -111,6 +124,8 @@ class SignalMap:
             suspension_deflection=if_known(self.suspension_deflection),
             actuator_force=if_known(self.actuator_force),
             end_stop_travel=if_known(self.end_stop_travel),
+            force_limit=if_known(self.force_limit),
+            noise_seed=if_known(self.noise_seed),
             driver_mass=tuple(name for name in self.driver_mass if system.has(name)),
         )
         signals = replace(signals, **given)
@@ -132,7 +147,10 @@ class SignalMap:
                 problems.append(f"signal {name}: expected a unit like {unit.name}, got {system.unit(name)}")
         if not self.driver_mass:
             problems.append(f"driver mass: expected a parameter of {system.name} that takes it, got none")
-        parameters = (*self.driver_mass, *self.excitation, self.excitation_class, self.seed, self.end_stop_travel)
+        parameters = (
+            *(*self.driver_mass, *self.excitation, self.excitation_class, self.seed, self.end_stop_travel),
+            *(*self.sine, self.sine_frequency, self.sine_amplitude),
+        )
         for name in filter(None, parameters):
             try:
                 system.variable(system.parse(name))
@@ -158,21 +176,48 @@ class EvaluatedSystem:
         The system, with all parameters that stay the same in every ride.
     signals
         Names of the variables that the evaluation reads and sets.
+    test_travel
+        Travel of the test in m, to each side, within which a system without end stops of its own must stay; None for
+        unlimited travel.
+    is_passive
+        Whether it has no actuator by construction: it is judged without criteria of the force, and others are compared
+        with it.
     """
 
     title: str
     system: System
     signals: SignalMap
+    test_travel: float | None = None
+    is_passive: bool = False
 
     @property
     def end_stop_travel(self) -> float | None:
-        """Deflection in m, to each side, at which the end stops are met; None where there are none."""
-        name = self.signals.end_stop_travel
+        """Deflection in m, to each side, at which the end stops are met, its own or the test's; None for none."""
+        return self._value(self.signals.end_stop_travel, _METRE) or self.test_travel
+
+    @property
+    def force_limit(self) -> float | None:
+        """Largest force of the actuator in N; None where it is not known."""
+        return self._value(self.signals.force_limit, _NEWTON)
+
+    @property
+    def sensor_seed(self) -> int:
+        """Seed of the sensors' noise in the first run; 0 for a system without."""
+        name = self.signals.noise_seed
+        return 0 if name is None else int(self._given(name))
+
+    def _given(self, name: str) -> float:
+        """Return the value that a parameter has in all runs."""
+        component, variable = self.system.parse(name)
+        value = self.system.check_parameters({})[component].get(variable, self.system.start(name))
+        return float(value)  # type: ignore[arg-type]  # the parameter is a number
+
+    def _value(self, name: str | None, unit: Unit) -> float | None:
+        """Return the value of a parameter in SI units; None for 0, and where there is no such parameter."""
         if name is None:
             return None
-        component, variable = self.system.parse(name)
-        given = self.system.check_parameters({})[component].get(variable, self.system.start(name))
-        return float(given) or None  # type: ignore[arg-type]  # the parameter is a number
+        transformation = conversion(_unit(self.system, name), unit) or IDENTITY
+        return transformation.factor * self._given(name) or None
 
     def in_si_units(self, name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         """Convert samples of an output to SI units.
