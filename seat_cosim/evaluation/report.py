@@ -156,10 +156,17 @@ def _page(
     )
 
 
+def _end_stops(travel: float, height: float) -> str:
+    """Return where the end stops are met, in words; travel and height in m."""
+    if not height:
+        return f"at {1e3 * travel:g} mm"
+    return f"at {1e3 * (travel - height):g} mm above and {1e3 * (travel + height):g} mm below static equilibrium"
+
+
 def _conditions(evaluation: Evaluation, protocol: Protocol, manifest: Manifest) -> dict[str, str]:
     """List the conditions of an evaluation, by name."""
     signals = evaluation.evaluated.signals
-    travel = evaluation.evaluated.end_stop_travel
+    travel, height = evaluation.evaluated.end_stop_travel, evaluation.evaluated.end_stop_height
     return {
         "excitation": f"{', '.join(protocol.classes)} (ISO 7096), seeds {', '.join(map(str, protocol.seeds))}",
         "duration": f"{protocol.duration:g} s each, after a warm-up of {protocol.warm_up:g} s",
@@ -168,7 +175,7 @@ def _conditions(evaluation: Evaluation, protocol: Protocol, manifest: Manifest) 
         "driver": signals.seat_acceleration,
         "driver's mass": ", ".join(signals.driver_mass),
         "deflection": signals.suspension_deflection or "none",
-        "end stops": "none" if travel is None else f"at {1e3 * travel:g} mm",
+        "end stops": "none" if travel is None else _end_stops(travel, height),
         "force": signals.actuator_force or "none",
         "step": f"{1e3 * manifest.step_size:g} ms, {manifest.algorithm}, in the order {', '.join(manifest.order)}",
         "command": " ".join(manifest.command),

@@ -248,7 +248,9 @@ def measure(evaluated: EvaluatedSystem, result: Result, rate: float, warm_up: fl
     deflection = samples[signals.suspension_deflection]
     found = replace(found, peak_deflection=deflection_range(deflection, rate, warm_up).peak)
     if (travel := evaluated.end_stop_travel) is not None:
-        found = replace(found, end_stop_hits=end_stops(deflection, rate, travel, warm_up).hits)
+        found = replace(
+            found, end_stop_hits=end_stops(deflection, rate, travel, warm_up, evaluated.end_stop_height).hits
+        )
     if signals.actuator_force is None:
         return found
     spent = actuator(samples[signals.actuator_force], deflection, rate, warm_up)

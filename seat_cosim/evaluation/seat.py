@@ -40,6 +40,7 @@ def seat_signals(shaker: str = "shaker") -> SignalMap:
         suspension_deflection="seat.suspension_deflection",
         actuator_force="controller.force",
         end_stop_travel="seat.end_stop.travel",
+        end_stop_height="seat.end_stop.height",
     )
 
 

@@ -39,6 +39,9 @@ class SignalMap:
     end_stop_travel
         Parameter that holds the deflection, in m to each side, at which the end stops are met (0: no end stops); None
         for a system without.
+    end_stop_height
+        Parameter that holds the height, in m, of static equilibrium above the middle of that travel; None for a system
+        without.
     """
 
     floor_acceleration: str
@@ -50,6 +53,7 @@ class SignalMap:
     suspension_deflection: str | None = None
     actuator_force: str | None = None
     end_stop_travel: str | None = None
+    end_stop_height: str | None = None
 
     @property
     def outputs(self) -> dict[str, Unit]:
@@ -111,6 +115,8 @@ class SignalMap:
             suspension_deflection=if_known(self.suspension_deflection),
             actuator_force=if_known(self.actuator_force),
             end_stop_travel=if_known(self.end_stop_travel),
+            # the height belongs to the travel that it is known with, not to another one
+            end_stop_height=None if given.get("end_stop_travel") else if_known(self.end_stop_height),
             driver_mass=tuple(name for name in self.driver_mass if system.has(name)),
         )
         signals = replace(signals, **given)
@@ -132,7 +138,8 @@ class SignalMap:
                 problems.append(f"signal {name}: expected a unit like {unit.name}, got {system.unit(name)}")
         if not self.driver_mass:
             problems.append(f"driver mass: expected a parameter of {system.name} that takes it, got none")
-        parameters = (*self.driver_mass, *self.excitation, self.excitation_class, self.seed, self.end_stop_travel)
+        stops = (self.end_stop_travel, self.end_stop_height)
+        parameters = (*self.driver_mass, *self.excitation, self.excitation_class, self.seed, *stops)
         for name in filter(None, parameters):
             try:
                 system.variable(system.parse(name))
@@ -166,13 +173,21 @@ class EvaluatedSystem:
 
     @property
     def end_stop_travel(self) -> float | None:
-        """Deflection in m, to each side, at which the end stops are met; None where there are none."""
-        name = self.signals.end_stop_travel
+        """Travel in m, from its middle to each side, to the end stops; None where there are none."""
+        return self._value(self.signals.end_stop_travel) or None
+
+    @property
+    def end_stop_height(self) -> float:
+        """Height in m of static equilibrium above the middle of the travel; 0 where the system does not know it."""
+        return self._value(self.signals.end_stop_height)
+
+    def _value(self, name: str | None) -> float:
+        """Return the value of a parameter; 0 where there is none."""
         if name is None:
-            return None
+            return 0.0
         component, variable = self.system.parse(name)
         given = self.system.check_parameters({})[component].get(variable, self.system.start(name))
-        return float(given) or None  # type: ignore[arg-type]  # the parameter is a number
+        return float(given)  # type: ignore[arg-type]  # the parameter is a number
 
     def in_si_units(self, name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         """Convert samples of an output to SI units.
