@@ -49,7 +49,18 @@ class LinearSeat:
 
     @classmethod
     def of(cls, seat: SeatModel) -> LinearSeat:
-        """Copy a seat."""
+        """Return a copy of a seat of any kind.
+
+        Parameters
+        ----------
+        seat
+            The seat.
+
+        Returns
+        -------
+        LinearSeat
+            With the same parameters.
+        """
         return cls(*(getattr(seat, field.name) for field in fields(cls)))
 
 
