@@ -238,8 +238,8 @@ def _range() -> Row:
         text(-REDUCTIONS[HEAVY], 1),
         (-low, -high),
         Kind.PREDICTED,
-        f"Least to most. Median {text(-float(np.median(reductions)), 1)} %; {100.0 * within:.0f} % of the sets reach the "
-        "paper's number.",
+        f"Least to most. Median {text(-float(np.median(reductions)), 1)} %; {100.0 * within:.0f} % of the sets reach "
+        "the paper's number.",
         1,
     )
 
