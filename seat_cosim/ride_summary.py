@@ -91,8 +91,10 @@ def evaluated_system(system: System) -> EvaluatedSystem | None:
     signals = seat_signals()
     if signals.seat_acceleration not in system.outputs():
         return None
-    travel = signals.end_stop_travel if system.has(signals.end_stop_travel or "") else None
-    return EvaluatedSystem(system.name, system, replace(signals, end_stop_travel=travel))
+    travel, height = (
+        name if system.has(name or "") else None for name in (signals.end_stop_travel, signals.end_stop_height)
+    )
+    return EvaluatedSystem(system.name, system, replace(signals, end_stop_travel=travel, end_stop_height=height))
 
 
 def summarize(evaluated: EvaluatedSystem, result: Result) -> RideSummary:
@@ -159,8 +161,10 @@ def _stroke(
     if deflection is None:
         return {}
     stroke = deflection_range(deflection, rate).peak
-    travel = evaluated.end_stop_travel
-    return {"stroke": 1e3 * stroke, "travel_share": None if travel is None else 100.0 * stroke / travel}
+    if (travel := evaluated.end_stop_travel) is None:
+        return {"stroke": 1e3 * stroke, "travel_share": None}
+    from_middle = deflection_range(deflection + evaluated.end_stop_height, rate).peak
+    return {"stroke": 1e3 * stroke, "travel_share": 100.0 * from_middle / travel}
 
 
 def signal_table(result: Result, names: Iterable[str]) -> list[tuple[str, ...]]:

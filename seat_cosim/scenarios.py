@@ -121,6 +121,29 @@ def paper_observer(number: int) -> dict[str, Value]:
     return observer(OBSERVERS[number].value)
 
 
+EQUAL_RATE = "equal-rate"
+"""Name of the observer of the text at (23), "the same convergence rate for different driver weights"; also a preset."""
+
+OBSERVERS = ("1", "2", EQUAL_RATE)
+"""Names of the observers: the paper's two by (23) as printed, and Observer 1 with one rate for all masses."""
+
+
+def named_observer(name: str) -> dict[str, Value]:
+    """Return the parameters of an observer; the state feedback stays.
+
+    Parameters
+    ----------
+    name
+        One of :data:`OBSERVERS`.
+    """
+    if name != EQUAL_RATE:
+        return paper_observer(int(name))
+    return {parameter: value for parameter, value in gains(EQUAL_RATE).items() if parameter in _OBSERVER_GAINS}
+
+
+_OBSERVER_GAINS = ("controller.L1", "controller.L2")
+
+
 def control(on: bool) -> dict[str, Value]:
     """Return the parameter that switches the controller on or off."""
     return {"controller.enabled": on}
@@ -154,6 +177,10 @@ def mode(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
         for parameter, source in _TOLD.items()
         if name == "robust" and parameters.get(source) and parameter not in parameters
     }
+    if "controller.travel" in known:  # the law knows one travel for both ways: the shorter one
+        travel, height = known["controller.travel"], parameters.get("seat.end_stop.height", 0.0)
+        if isinstance(travel, float) and isinstance(height, float):
+            known["controller.travel"] = max(0.0, travel - abs(height))
     return {"controller.mode": name, **known}
 
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 from seat_controller_fmu import parameters as p
 from seat_controller_fmu.design.certificate import certify
 from seat_controller_fmu.design.gains import FOLDER, PRESETS, Gains
-from seat_controller_fmu.design.setting import Setting, by_gamma
+from seat_controller_fmu.design.setting import Setting, by_gamma, equal_rate
 from seat_controller_fmu.design.synthesis import design
 from seat_cosim.nominal_seat import nominal_seat
 
@@ -51,7 +51,17 @@ def recommended(solver: str = "CLARABEL") -> Gains:
     return design(setting, "trade-off", p.LAMBDA.value, solver=solver)
 
 
-SOURCES: dict[str, Callable[[], Gains]] = dict(zip(PRESETS, (published, table1_printed, recommended), strict=True))
+def equal_rate_observer() -> Gains:
+    """Return the paper's state feedback with an observer of one rate at all masses: that of Observer 1 at M_min."""
+    gains = published()
+    s = gains.setting
+    rate = s.L1 / s.vertices.minimum
+    return replace(gains, setting=equal_rate(s.driver_mass_min, s.driver_mass_max, rate, s.alpha, s.c_0, s.P_2))
+
+
+SOURCES: dict[str, Callable[[], Gains]] = dict(
+    zip(PRESETS, (published, table1_printed, recommended, equal_rate_observer), strict=True)
+)
 """Name of a preset to the function that designs it."""
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from cosim.errors import SignalError
 from cosim.metrics.samples import check_equal_length, check_positive, trim
 from cosim.metrics.whole_body import peak, rms
 
@@ -89,10 +91,13 @@ class EndStops:
         return self.upper + self.lower
 
 
-def end_stops(deflection: npt.ArrayLike, rate: float, travel: float, warm_up: float = 0.0) -> EndStops:
+def end_stops(
+    deflection: npt.ArrayLike, rate: float, travel: float, warm_up: float = 0.0, height: float = 0.0
+) -> EndStops:
     """Count contacts with the end stops.
 
-    A contact lasts while the magnitude of the deflection is at least the travel. A contact at the first sample counts.
+    A contact lasts while the deflection from the middle of the travel has at least the magnitude of the travel. A
+    contact at the first sample counts.
     The deflection must be without measurement noise, which would split a contact into many.
 
     Parameters
@@ -102,9 +107,11 @@ def end_stops(deflection: npt.ArrayLike, rate: float, travel: float, warm_up: fl
     rate
         Sampling rate in Hz.
     travel
-        Travel from static equilibrium to either end stop, in m.
+        Travel from its middle to either end stop, in m.
     warm_up
         Duration to remove at the beginning, in s.
+    height
+        Height of static equilibrium above the middle of the travel, in m.
 
     Returns
     -------
@@ -114,10 +121,12 @@ def end_stops(deflection: npt.ArrayLike, rate: float, travel: float, warm_up: fl
     Raises
     ------
     SignalError
-        If the travel is not above 0, no samples remain, or they are invalid.
+        If the travel is not above 0, the height is not finite, no samples remain, or they are invalid.
     """
-    x = trim(deflection, rate, warm_up, name="deflection")
+    x = trim(deflection, rate, warm_up, name="deflection") + height
     limit = check_positive("travel", travel, "m")
+    if not math.isfinite(height):
+        raise SignalError(f"height: expected a finite number, got {height:g} m")
 
     def contacts(touching: npt.NDArray[np.bool_]) -> int:
         return int(touching[0]) + int(np.count_nonzero(touching[1:] & ~touching[:-1]))
@@ -136,7 +145,12 @@ RINGING = 0.25
 
 
 def impact_share(
-    weighted: npt.ArrayLike, deflection: npt.ArrayLike, rate: float, travel: float, warm_up: float = 0.0
+    weighted: npt.ArrayLike,
+    deflection: npt.ArrayLike,
+    rate: float,
+    travel: float,
+    warm_up: float = 0.0,
+    height: float = 0.0,
 ) -> float:
     """Calculate the share of the vibration dose value that impacts on the end stops have.
 
@@ -152,9 +166,11 @@ def impact_share(
     rate
         Sampling rate in Hz.
     travel
-        Travel from static equilibrium to either end stop, in m.
+        Travel from its middle to either end stop, in m.
     warm_up
         Duration to remove at the beginning of the deflection, in s.
+    height
+        Height of static equilibrium above the middle of the travel, in m.
 
     Returns
     -------
@@ -173,7 +189,7 @@ def impact_share(
     """
     signals = check_equal_length(weighted=weighted, deflection=trim(deflection, rate, warm_up, name="deflection"))
     dose = signals["weighted"] ** 4
-    touching = np.abs(signals["deflection"]) >= check_positive("travel", travel, "m")
+    touching = np.abs(signals["deflection"] + height) >= check_positive("travel", travel, "m")
     window = 1 + round(RINGING * rate)
     during = np.convolve(touching, np.ones(window))[: touching.size] > 0.5
     total = float(dose.sum())

@@ -555,7 +555,12 @@ Status instance_refuse_type(const Instance *instance, const char *function, cons
 /* ---- states ------------------------------------------------------------------------------------------------------ */
 
 enum { FLAG_PHASE, FLAG_OUTPUTS_DUE, FLAG_WARNED, FLAG_COUNT };
-enum { STOP_TIME_AT = FLAG_COUNT, VALUES_AT, STATE_AT = VALUES_AT + VARIABLE_COUNT, CONTENT_COUNT = STATE_AT + STATE_COUNT };
+enum {
+    STOP_TIME_AT = FLAG_COUNT,
+    VALUES_AT,
+    STATE_AT = VALUES_AT + VARIABLE_COUNT,
+    CONTENT_COUNT = STATE_AT + STATE_COUNT
+};
 
 /* A saved instance, in memory and as bytes. The coefficients are not saved: they follow from the parameters. */
 typedef struct {

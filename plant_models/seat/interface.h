@@ -35,6 +35,7 @@ typedef struct {
     int sensor_seed;
     double end_stop_travel;                      /* x_e in m, 0 for none */
     double end_stop_stiffness, end_stop_damping; /* k_e in N/m, c_e in N.s/m */
+    double end_stop_height;                      /* x_m in m, of static equilibrium above the middle */
 } seat_plant_parameters;
 
 #endif

@@ -23,6 +23,7 @@ _FORCE_BALANCE = (
     "end_stop.travel",
     "end_stop.stiffness",
     "end_stop.damping",
+    "end_stop.height",
 )
 """Variables on which the acceleration of the seat depends at rest."""
 
@@ -196,7 +197,7 @@ class Parameters:
     )
     end_stop_travel: float = parameter(
         p.END_STOP_TRAVEL,
-        "Deflection in either direction at which the end stops begin, 0 for none",
+        "Deflection from the middle of the travel at which the end stops begin, 0 for none",
         name="end_stop.travel",
         minimum=0.0,
     )
@@ -205,6 +206,12 @@ class Parameters:
     )
     end_stop_damping: float = parameter(
         p.END_STOP_DAMPING, "Damping of the end stops; their force never pulls", name="end_stop.damping", minimum=0.0
+    )
+    end_stop_height: float = parameter(
+        p.END_STOP_HEIGHT,
+        "Height of static equilibrium above the middle of the travel, which shifts both end stops down by it",
+        name="end_stop.height",
+        added=True,
     )
 
 

@@ -36,5 +36,6 @@ DEFLECTION_BIAS = Quantity(0.0, "m", "b_d", _NO_SENSOR)
 DEFLECTION_RESOLUTION = Quantity(0.0, "m", "q_d", _NO_SENSOR)
 
 END_STOP_TRAVEL = Quantity(0.0, "m", "x_e", _NO_STOP)
+END_STOP_HEIGHT = Quantity(0.0, "m", "x_m", "static equilibrium in the middle of the travel")
 END_STOP_STIFFNESS = Quantity(0.0, "N/m", "k_e", _NO_STOP)
 END_STOP_DAMPING = Quantity(0.0, "N.s/m", "c_e", _NO_STOP)

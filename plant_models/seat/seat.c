@@ -33,13 +33,15 @@ static const double pi = 3.14159265358979323846;
 /* Return which end stop is in contact: 1 for the upper, -1 for the lower, 0 for none. */
 static double contact_side(double deflection, const coefficients_t *c)
 {
-    return fabs(deflection) <= c->x_e ? 0.0 : deflection > 0.0 ? 1.0 : -1.0;
+    const double position = deflection + c->x_m;
+    return fabs(position) <= c->x_e ? 0.0 : position > 0.0 ? 1.0 : -1.0;
 }
 
 /* Return the part of z_s'' that an end stop causes, in m/s2; like rubber, it never pulls. */
 static double end_stop_acceleration(double deflection, double rate, double side, const coefficients_t *c)
 {
-    const double push = c->k_e * (side * deflection - c->x_e) + c->c_e * side * rate;
+    const double depth = side * (deflection + c->x_m) - c->x_e;
+    const double push = c->k_e * depth + c->c_e * side * rate;
     return -side * (push > 0.0 ? push : 0.0) * c->per_m_s;
 }
 
@@ -180,7 +182,7 @@ static double time_to_contact(const seat_plant_outputs *begin, double side, cons
                               const coefficients_t *c)
 {
     const double sign = side != 0.0 ? side : copysign(1.0, begin->deflection_rate);
-    const double depth = sign * begin->suspension_deflection - c->x_e;
+    const double depth = sign * (begin->suspension_deflection + c->x_m) - c->x_e;
     const double rate = sign * begin->deflection_rate;
     const double square = rate * rate - 2.0 * depth * sign * (begin->seat_acceleration - motion->acceleration);
     if (square < 0.0) {
@@ -284,6 +286,9 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
     if (p->end_stop_travel > 0.0 && !(p->end_stop_stiffness > 0.0)) {
         return "expected end_stop.stiffness > 0 where end_stop.travel > 0";
     }
+    if (p->end_stop_travel > 0.0 && !(fabs(p->end_stop_height) < p->end_stop_travel)) {
+        return "expected |end_stop.height| < end_stop.travel: static equilibrium is between the end stops";
+    }
     c->substep = max_substep(p);
     if (!(c->substep >= min_substep_length)) {
         return "expected a fastest motion below 50000 rad/s from the stiffnesses suspension_stiffness, "
@@ -299,6 +304,7 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
     c->alpha = p->friction_alpha;
     c->floor_signals = p->floor_signals;
     c->x_e = p->end_stop_travel > 0.0 ? p->end_stop_travel : INFINITY;
+    c->x_m = p->end_stop_height;
     c->k_e = p->end_stop_stiffness;
     c->c_e = p->end_stop_damping;
     c->actuator = actuator_prepare(p->actuator_force_limit, p->actuator_delay, p->actuator_time_constant);

@@ -37,6 +37,7 @@ typedef struct {
     double substep;       /* longest Runge-Kutta substep in s */
     int floor_signals;    /* used floor inputs */
     double x_e, k_e, c_e; /* end stops: travel in m, infinite where there are none; N/m; N.s/m */
+    double x_m;           /* height of static equilibrium above the middle of the travel in m */
     actuator_coefficients actuator;
     double bandwidth; /* corner frequency of the sensors' low-pass in rad/s, 0 for none */
     int single_span;  /* whether there is no delay, lag, low-pass or end stop: a step is one span */

@@ -7,9 +7,10 @@
 with c_f = 0 for the active prototype, which has no damper. Displacements are absolute, from static equilibrium, up
 positive. The friction state z_d of (36) is solved in closed form, see friction.py.
 
-Beyond a travel x_e of the deflection x, end stops push back with max(0, k_e (|x| - x_e) + c_e d|x|/dt). The maximum
-makes them behave like rubber: they never pull. Actuator and sensors have modules of their own. All these imperfections
-are absent by default.
+Beyond a travel x_e either way, end stops push back with max(0, k_e (|y| - x_e) + c_e d|y|/dt). y = x + x_m is the
+deflection x from the middle of the travel; static equilibrium lies x_m above the middle. The maximum makes the stops
+behave like rubber: they never pull. Actuator and sensors have modules of their own. All these imperfections are absent
+by default.
 
 Over a step the force of the actuator is held, and the floor is extrapolated by its velocity and acceleration. So the
 floor jumps a little, by its jerk times h^3/6, when the next step brings its true position. The friction follows the
@@ -115,8 +116,9 @@ class Coefficients(NamedTuple):
         Longest Runge-Kutta substep, in s.
     floor_signals
         Used floor inputs, see :class:`~plant_models.seat.interface.FloorSignals`.
-    x_e, k_e, c_e
-        End stops: travel in m, infinite where there are none, stiffness in N/m, damping in N.s/m.
+    x_e, x_m, k_e, c_e
+        End stops: travel in m, infinite where there are none, height of static equilibrium above the middle of the
+        travel in m, stiffness in N/m, damping in N.s/m.
     actuator
         Coefficients of the actuator.
     bandwidth
@@ -136,6 +138,7 @@ class Coefficients(NamedTuple):
     substep: float
     floor_signals: int
     x_e: float
+    x_m: float
     k_e: float
     c_e: float
     actuator: ActuatorCoefficients
@@ -149,12 +152,14 @@ class Coefficients(NamedTuple):
 
 def _contact_side(deflection: float, c: Coefficients) -> float:
     """Return which end stop is in contact: 1 for the upper, -1 for the lower, 0 for none."""
-    return 0.0 if abs(deflection) <= c.x_e else math.copysign(1.0, deflection)
+    position = deflection + c.x_m
+    return 0.0 if abs(position) <= c.x_e else math.copysign(1.0, position)
 
 
 def _end_stop_acceleration(deflection: float, rate: float, side: float, c: Coefficients) -> float:
     """Return the part of z_s'' that an end stop causes, in m/s2."""
-    return -side * max(0.0, c.k_e * (side * deflection - c.x_e) + c.c_e * side * rate) * c.per_m_s
+    depth = side * (deflection + c.x_m) - c.x_e
+    return -side * max(0.0, c.k_e * depth + c.c_e * side * rate) * c.per_m_s
 
 
 def _seat_acceleration(
@@ -268,7 +273,7 @@ def _time_to_contact(begin: Outputs, side: float, motion: FloorMotion, c: Coeffi
     Deflection, rate and acceleration are those at the begin of the substep; the acceleration is taken as constant.
     """
     sign = side or math.copysign(1.0, begin.deflection_rate)
-    depth = sign * begin.suspension_deflection - c.x_e
+    depth = sign * (begin.suspension_deflection + c.x_m) - c.x_e
     rate = sign * begin.deflection_rate
     square = rate * rate - 2.0 * depth * sign * (begin.seat_acceleration - motion.acceleration)
     if square < 0.0:
@@ -368,14 +373,19 @@ def prepare(parameters: Parameters) -> Coefficients:
     Raises
     ------
     ParameterError
-        If the friction has no plateau, end stops have no stiffness, or the seat is so stiff that a step would take too
-        long.
+        If the friction has no plateau, end stops have no stiffness, static equilibrium is not between them, or the seat
+        is so stiff that a step would take too long.
     """
     p = parameters
     if p.end_stop_travel > 0.0 and not p.end_stop_stiffness > 0.0:
         raise ParameterError(
             f"end stops: expected end_stop.stiffness > 0 where end_stop.travel > 0, got end_stop.stiffness = "
             f"{p.end_stop_stiffness} N/m, end_stop.travel = {p.end_stop_travel} m"
+        )
+    if p.end_stop_travel > 0.0 and not abs(p.end_stop_height) < p.end_stop_travel:
+        raise ParameterError(
+            f"end stops: expected |end_stop.height| < end_stop.travel (static equilibrium is between the stops), got "
+            f"end_stop.height = {p.end_stop_height} m, end_stop.travel = {p.end_stop_travel} m"
         )
     friction_coefficients = friction.prepare(p.friction_gamma, p.friction_beta, p.friction_amplitude)
     return Coefficients(
@@ -390,6 +400,7 @@ def prepare(parameters: Parameters) -> Coefficients:
         substep=_max_substep(p),
         floor_signals=p.floor_signals,
         x_e=p.end_stop_travel if p.end_stop_travel > 0.0 else math.inf,
+        x_m=p.end_stop_height,
         k_e=p.end_stop_stiffness,
         c_e=p.end_stop_damping,
         actuator=actuator.prepare(p.actuator_force_limit, p.actuator_delay, p.actuator_time_constant),

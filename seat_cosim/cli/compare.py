@@ -42,9 +42,9 @@ def compare(
     """Ride the same with several controllers: a table and a figure (comparison.png), a folder with result.csv for each.
 
     \b
-    Each of A B... is a preset of gains (published, table1-printed, recommended), a gains.json, observer1, observer2,
-    robust (the mode robust), off (no force), passive (the passive seat), or the FMU of another controller with our
-    variables.
+    Each of A B... is a preset of gains (published, table1-printed, recommended, equal-rate), a gains.json, observer1,
+    observer2, robust (the mode robust), off (no force), passive (the passive seat), or the FMU of another controller
+    with our variables.
     Examples:
       seat-cosim compare passive published recommended
       seat-cosim compare passive published robust --scenario random

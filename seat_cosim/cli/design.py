@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -99,6 +100,7 @@ def design(
         gains, certificate = certified_gains(DesignRequest(**request), given, report)
     _print_gains(gains)
     _print_certificate(certificate, gains.setting)
+    _print_robustness(gains)
     if output is not None:
         survey = pareto if pareto is not None else given is None
         with progress_shown("figures") as report:
@@ -161,6 +163,22 @@ def _print_certificate(certificate: Certificate, setting: Setting) -> None:
     for mass in shown:
         table.add_column(f"{mass:g}", justify="right")
     table.add_row("margin (ms)", *(f"{margins[mass]:.0f}" for mass in shown))
+    console.print(table)
+
+
+def _print_robustness(gains: Gains) -> None:
+    """Print the delay margins of seats that are not the one of the design."""
+    from seat_controller_fmu.design.robustness import robustness
+    from seat_cosim.nominal_seat import nominal_seat
+
+    margins = robustness(gains, nominal_seat)
+    title = "The same in seats that are not as assumed (ms; a dash where the loop is unstable)"
+    table = Table(title=title, title_justify="left", box=SIMPLE)
+    table.add_column("on the seat (kg)")
+    for mass in next(iter(margins.values())):
+        table.add_column(f"{mass:g}", justify="right")
+    for condition, row in margins.items():
+        table.add_row(condition, *("–" if math.isnan(margin) else f"{margin:.0f}" for margin in row.values()))
     console.print(table)
 
 

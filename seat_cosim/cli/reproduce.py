@@ -18,7 +18,8 @@ from seat_cosim.cli.console import command_line, console, print_outcome, print_w
 from seat_cosim.cli.effect import is_given
 from seat_cosim.cli.folders import RUN, choose_folder, force_option, lock
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
-from seat_cosim.paper.contents import CONTENTS
+from seat_cosim.paper.contents import CONTENTS, ON_RIG
+from seat_cosim.scenarios import OBSERVERS
 
 if TYPE_CHECKING:
     from seat_cosim.paper.bump_test import Case
@@ -34,7 +35,7 @@ FIGURES = {
 
 @click.command()
 @click.argument("what", type=click.Choice(["bump", *FIGURES]), required=False, metavar="[bump|fig05|…|table2]")
-@seat_options("driver_mass")
+@seat_options("driver_mass", "observer")
 @click.option("--output", type=click.Path(path_type=Path), default=Path("results"), show_default=True, help="Where to.")
 @force_option
 def reproduce(what: str | None, seat: SeatOptions, output: Path, force: bool) -> None:
@@ -42,15 +43,18 @@ def reproduce(what: str | None, seat: SeatOptions, output: Path, force: bool) ->
 
     The page is report/index.html in the folder of --output; CSV, PNG and SVG of each figure lie beside it. With a
     figure or table, for example fig8 or table2: that one alone. With bump: the simulated bump test alone (Fig. 5-7),
-    with all its results and for any driver.
+    with all its results and for any driver. --observer is that of the prototype on the rig, which the paper does not
+    state: Fig. 10 to 16 and Table 2.
 
     \b
     Examples:
       seat-cosim reproduce
       seat-cosim reproduce fig8
+      seat-cosim reproduce table2 --observer equal-rate
       seat-cosim reproduce bump --driver-mass 70
     """
     system = seat.system()
+    _check_observer(what, seat.observer)
     if what == "bump":
         mass = system.start("seat.driver_mass") if seat.driver_mass is None else seat.driver_mass
         given = output if is_given("output") else None
@@ -67,19 +71,29 @@ def reproduce(what: str | None, seat: SeatOptions, output: Path, force: bool) ->
             f"--driver-mass {seat.driver_mass:g}: expected with bump only; the paper's drivers weigh 55 and 70 kg"
         )
     elif what is not None:
-        _reproduce_figure(system, FIGURES[what], output.expanduser() / "report")
+        _reproduce_figure(system, FIGURES[what], output.expanduser() / "report", seat.observer)
     else:
-        _reproduce_all(system, output.expanduser() / "report")
+        _reproduce_all(system, output.expanduser() / "report", seat.observer)
 
 
-def _reproduce_all(system: System, folder: Path) -> None:
+def _check_observer(what: str | None, observer: str | None) -> None:
+    """Refuse an observer where the paper's simulation decides on it, or nothing is controlled."""
+    if observer is None or what is None or (what in FIGURES and FIGURES[what] in ON_RIG):
+        return
+    raise SetupError(f"--observer {observer}: expected with the figures of the rig ({', '.join(ON_RIG)}), got {what}")
+
+
+def _reproduce_all(system: System, folder: Path, observer: str | None) -> None:
     """Run all experiments, write the report, and print the rows for which the paper prints a number."""
     from seat_cosim.paper import report
     from seat_cosim.paper.experiments import findings
     from seat_cosim.paper.runner import open_runner
 
     lock(folder)
-    with progress_shown("the paper") as progress, open_runner(system, progress) as runner:
+    with (
+        progress_shown("the paper") as progress,
+        open_runner(system, progress, observer or OBSERVERS[0]) as runner,
+    ):
         found = findings(runner)
         with writing_to(folder):
             page = report.write(folder, found, progress)
@@ -93,7 +107,7 @@ def _reproduce_all(system: System, folder: Path) -> None:
     console.print(f"figures and tables {folder}/*.png, *.svg, *.csv", soft_wrap=True)
 
 
-def _reproduce_figure(system: System, key: str, folder: Path) -> None:
+def _reproduce_figure(system: System, key: str, folder: Path, observer: str | None) -> None:
     """Run the experiment of one figure or table, write its files, and print its rows."""
     from seat_cosim.paper import report
     from seat_cosim.paper.contents import CONTENTS
@@ -102,7 +116,10 @@ def _reproduce_figure(system: System, key: str, folder: Path) -> None:
 
     (entry,) = (each for each in CONTENTS if each.key == key)
     lock(folder)
-    with progress_shown(entry.number) as progress, open_runner(system, progress) as runner:
+    with (
+        progress_shown(entry.number) as progress,
+        open_runner(system, progress, observer or OBSERVERS[0]) as runner,
+    ):
         found = finding(runner, key)
         with writing_to(folder):
             files = report.write_entry(folder, entry, found)

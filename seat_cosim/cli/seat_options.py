@@ -34,10 +34,14 @@ OPTIONS: dict[str, Callable[[Any], Any]] = {
         help="Control law; robust knows the seat's actuator and travel [default: published].",
     ),
     "gains": click.option(
-        "--gains", metavar="NAME|FILE", help="A preset (published, table1-printed, recommended) or a gains.json."
+        "--gains",
+        metavar="NAME|FILE",
+        help="A preset (published, table1-printed, recommended, equal-rate) or a gains.json.",
     ),
     "observer": click.option(
-        "--observer", type=click.Choice(["1", "2"]), help="The paper's Observer 1 or 2 [default: 1]."
+        "--observer",
+        type=click.Choice(scenarios.OBSERVERS),
+        help="The paper's Observer 1 or 2, or Observer 1 with one rate at all masses [default: 1].",
     ),
     "control": click.option(
         "--control",
@@ -78,7 +82,7 @@ class SeatOptions:
     gains
         Preset or file.
     observer
-        Number of the paper's observer.
+        One of :data:`seat_cosim.scenarios.OBSERVERS`.
     control
         ``on``, ``off`` or ``passive``.
     driver_mass
@@ -127,7 +131,7 @@ class SeatOptions:
         if self.gains:
             found |= scenarios.gains(self.gains)
         if self.observer:
-            found |= scenarios.paper_observer(int(self.observer))
+            found |= scenarios.named_observer(self.observer)
         if self.control:
             found |= scenarios.control(self.control == "on")
         if self.control == "passive":

@@ -284,10 +284,17 @@ def _page(
     )
 
 
+def _end_stops(travel: float, height: float) -> str:
+    """Return where the end stops are met, in words; travel and height in m."""
+    if not height:
+        return f"{1e3 * travel:g} mm each way"
+    return f"{1e3 * (travel - height):g} mm above and {1e3 * (travel + height):g} mm below static equilibrium"
+
+
 def _conditions(evaluation: Evaluation, protocol: Protocol, manifest: Manifest) -> dict[str, str]:
     """List the conditions of an evaluation, by name."""
     signals = evaluation.evaluated.signals
-    travel = evaluation.evaluated.end_stop_travel
+    travel, height = evaluation.evaluated.end_stop_travel, evaluation.evaluated.end_stop_height
     standards = ", ".join(dict.fromkeys(INPUTS[name].standard for name in protocol.classes if name in INPUTS))
     repeated = f"each {protocol.repetitions} times" if protocol.repetitions > 1 else "each once"
     damping = evaluation.damping
@@ -301,7 +308,7 @@ def _conditions(evaluation: Evaluation, protocol: Protocol, manifest: Manifest) 
         "driver": signals.seat_acceleration,
         "driver's mass": ", ".join(signals.driver_mass),
         "deflection": signals.suspension_deflection or "none",
-        "travel": "unlimited, no end stops" if travel is None else f"{1e3 * travel:g} mm each way",
+        "travel": "unlimited, no end stops" if travel is None else _end_stops(travel, height),
         "force": signals.actuator_force or "none",
         "damping test": "none"
         if damping is None

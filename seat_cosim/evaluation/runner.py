@@ -295,10 +295,11 @@ def measure(evaluated: EvaluatedSystem, result: Result, rate: float, warm_up: fl
     )
     if (travel := evaluated.end_stop_travel) is not None:
         driver = weighted(samples[signals.seat_acceleration], rate, warm_up)
+        where = (travel, warm_up, evaluated.end_stop_height)
         found = replace(
             found,
-            end_stop_hits=end_stops(deflection, rate, travel, warm_up).hits,
-            impact_share=impact_share(driver, deflection, rate, travel, warm_up),
+            end_stop_hits=end_stops(deflection, rate, *where).hits,
+            impact_share=impact_share(driver, deflection, rate, *where),
         )
     if signals.actuator_force is None:
         return found

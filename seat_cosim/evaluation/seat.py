@@ -48,6 +48,7 @@ def seat_signals(shaker: str = "shaker") -> SignalMap:
         suspension_deflection="seat.suspension_deflection",
         actuator_force="controller.force",
         end_stop_travel=_TRAVEL,
+        end_stop_height="seat.end_stop.height",
         force_limit="controller.force_limit",
         noise_seed="seat.sensor.seed",
         sine={f"{shaker}.profile": "sine"},

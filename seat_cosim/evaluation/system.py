@@ -37,8 +37,11 @@ class SignalMap:
     suspension_deflection, actuator_force
         Outputs; None for a system without.
     end_stop_travel
-        Parameter that holds the deflection, to each side, at which the end stops are met (0: no end stops); None for a
-        system without.
+        Parameter that holds the deflection, in m to each side, at which the end stops are met (0: no end stops); None
+        for a system without.
+    end_stop_height
+        Parameter that holds the height, in m, of static equilibrium above the middle of that travel; None for a system
+        without.
     force_limit
         Parameter that holds the largest force of the actuator (0: none); None for a system without.
     noise_seed
@@ -58,6 +61,7 @@ class SignalMap:
     suspension_deflection: str | None = None
     actuator_force: str | None = None
     end_stop_travel: str | None = None
+    end_stop_height: str | None = None
     force_limit: str | None = None
     noise_seed: str | None = None
     sine: Mapping[str, Value] = field(default_factory=dict)
@@ -126,6 +130,8 @@ class SignalMap:
             end_stop_travel=if_known(self.end_stop_travel),
             force_limit=if_known(self.force_limit),
             noise_seed=if_known(self.noise_seed),
+            # the height belongs to the travel that it is known with, not to another one
+            end_stop_height=None if given.get("end_stop_travel") else if_known(self.end_stop_height),
             driver_mass=tuple(name for name in self.driver_mass if system.has(name)),
         )
         signals = replace(signals, **given)
@@ -148,7 +154,8 @@ class SignalMap:
         if not self.driver_mass:
             problems.append(f"driver mass: expected a parameter of {system.name} that takes it, got none")
         parameters = (
-            *(*self.driver_mass, *self.excitation, self.excitation_class, self.seed, self.end_stop_travel),
+            *(*self.driver_mass, *self.excitation, self.excitation_class, self.seed),
+            *(self.end_stop_travel, self.end_stop_height),
             *(*self.sine, self.sine_frequency, self.sine_amplitude),
         )
         for name in filter(None, parameters):
@@ -192,8 +199,13 @@ class EvaluatedSystem:
 
     @property
     def end_stop_travel(self) -> float | None:
-        """Deflection in m, to each side, at which the end stops are met, its own or the test's; None for none."""
+        """Travel in m, from its middle to each side, to the end stops, its own or the test's; None for none."""
         return self._value(self.signals.end_stop_travel, _METRE) or self.test_travel
+
+    @property
+    def end_stop_height(self) -> float:
+        """Height in m of static equilibrium above the middle of the travel; 0 where the system does not know it."""
+        return self._value(self.signals.end_stop_height, _METRE) or 0.0
 
     @property
     def force_limit(self) -> float | None:

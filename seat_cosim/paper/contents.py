@@ -135,3 +135,6 @@ CONTENTS = [
     ),
 ]
 """Entries in the order of the report."""
+
+ON_RIG = ("fig10", "fig11", "fig12", "fig13", "fig14", "fig15", "fig16", "table2")
+"""Keys of the experiments with the prototype."""

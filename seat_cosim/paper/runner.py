@@ -16,7 +16,15 @@ from cosim.system import System
 from plant_models.parameter_sets import NAMES
 from seat_controller_fmu import parameters as design
 from seat_cosim.paper.bump_test import Case
-from seat_cosim.scenarios import control, driver_mass, gains, observer, read_parameter_sets
+from seat_cosim.scenarios import (
+    OBSERVERS,
+    control,
+    driver_mass,
+    gains,
+    named_observer,
+    observer,
+    read_parameter_sets,
+)
 
 STEP = 0.002
 """Communication step size and sample time, in s."""
@@ -26,6 +34,9 @@ RATE = 500.0
 
 FLOOR = "shaker.floor_acceleration"
 SEAT = "seat.seat_acceleration"
+SEAT_MEASURED = "seat.seat_acceleration_measured"
+"""As the rig's accelerometer gives it; the paper's figures of the experiment show this one."""
+
 DRIVER = "seat.driver_acceleration"
 DEFLECTION = "seat.suspension_deflection"
 DEFLECTION_RATE = "seat.deflection_rate"
@@ -81,6 +92,8 @@ class ExperimentRunner:
         Number of an observer to its Gamma, in s/kg2.
     settings
         Symbol of the design in Table 1 to its value, in SI units.
+    rig_observer
+        Observer of the prototype on the rig, one of :data:`seat_cosim.scenarios.OBSERVERS`.
     progress
         Called with a description of the current experiment.
     warnings
@@ -93,6 +106,7 @@ class ExperimentRunner:
     recommended: Mapping[str, Value]
     gammas: Mapping[int, float]
     settings: Mapping[str, float]
+    rig_observer: str = OBSERVERS[0]
     progress: Callable[[str], None] = lambda text: None
     warnings: dict[str, None] = field(default_factory=dict)
 
@@ -140,22 +154,30 @@ class ExperimentRunner:
     def seats(self) -> dict[str, Case]:
         """Return the seats of the experiments, by name.
 
-        The paper does not say which observer they had; the one of its Fig. 8 is taken. ``ideal`` is the controlled seat
-        without the imperfections of actuator and sensors.
+        The paper does not say which observer they had; by default that of its Fig. 8 is taken. ``ideal`` is the
+        controlled seat without the imperfections of actuator and sensors. The passive seat has the prototype's sensors.
         """
         calibration = self.calibration
-        active = observer(self.gammas[1])
+        active = named_observer(self.rig_observer)
+        sensors = {name: value for name, value in calibration.prototype.items() if name.startswith(_SENSORS)}
         parameters = {
-            "passive": {**calibration.load, **calibration.passive, **control(False)},
+            "passive": {**calibration.load, **calibration.passive, **sensors, **control(False)},
             "uncontrolled": {**calibration.load, **calibration.prototype, **control(False)},
             "controlled": {**calibration.load, **calibration.prototype, **active},
             "ideal": {**calibration.load, **active},
         }
         return {name: Case(name.capitalize(), values, _STYLES[name]) for name, values in parameters.items()}
 
+    @property
+    def lag_is_fitted(self) -> bool:
+        """Whether the prototype's lag was fitted with its observer; if not, the controlled seat is predicted."""
+        return self.rig_observer == OBSERVERS[0]
+
 
 @contextmanager
-def open_runner(system: System, progress: Callable[[str], None] = lambda text: None) -> Iterator[ExperimentRunner]:
+def open_runner(
+    system: System, progress: Callable[[str], None] = lambda text: None, rig_observer: str = OBSERVERS[0]
+) -> Iterator[ExperimentRunner]:
     """Load the FMUs of the seat suspension for the experiments of the paper.
 
     Parameters
@@ -164,6 +186,8 @@ def open_runner(system: System, progress: Callable[[str], None] = lambda text: N
         From :func:`seat_cosim.scenarios.seat_suspension`.
     progress
         Called with a description of the current experiment.
+    rig_observer
+        Observer of the prototype on the rig, one of :data:`seat_cosim.scenarios.OBSERVERS`.
 
     Yields
     ------
@@ -179,9 +203,13 @@ def open_runner(system: System, progress: Callable[[str], None] = lambda text: N
             recommended=gains("recommended"),
             gammas={number: gamma.value for number, gamma in design.OBSERVERS.items()},
             settings={"alpha": design.ALPHA.value, "P_2": design.P_2.value, "lambda": design.LAMBDA.value},
+            rig_observer=rig_observer,
             progress=progress,
         )
 
+
+_SENSORS = "seat.sensor."
+"""Begin of the names of the sensors' parameters."""
 
 _STYLES: dict[str, dict[str, Any]] = {
     "passive": {"color": "C2"},

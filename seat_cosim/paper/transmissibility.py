@@ -12,7 +12,7 @@ from cosim.metrics import sine_transmissibility
 from cosim.metrics.samples import Samples
 from seat_cosim.paper.bump_test import Case
 from seat_cosim.paper.finding import Finding, Kind, Row
-from seat_cosim.paper.runner import FLOOR, RATE, SEAT, ExperimentRunner, extent
+from seat_cosim.paper.runner import FLOOR, RATE, SEAT, SEAT_MEASURED, ExperimentRunner, extent
 from seat_cosim.plotting import Curve, Panel
 
 _FREQUENCIES = np.array([1, 1.25, 1.5, 1.75, 2, 2.25, 2.5, 2.75, 3, 3.25, 3.5, 3.75, 4, 4.25, 4.5, 5, 5.5, 6, 7, 8.0])
@@ -41,7 +41,9 @@ class _Response:
         return self.rms_ratio[(low <= _FREQUENCIES) & (high >= _FREQUENCIES)]
 
 
-def _response(runner: ExperimentRunner, parameters: Mapping[str, Value], amplitudes: Samples) -> _Response:
+def _response(
+    runner: ExperimentRunner, parameters: Mapping[str, Value], amplitudes: Samples, signal: str = SEAT
+) -> _Response:
     """Run sines at all frequencies; ``amplitudes`` of the floor's displacement in m, shape of ``_FREQUENCIES``."""
     found = []
     for frequency, amplitude in zip(_FREQUENCIES.tolist(), amplitudes.tolist(), strict=True):
@@ -50,8 +52,8 @@ def _response(runner: ExperimentRunner, parameters: Mapping[str, Value], amplitu
             "shaker.sine.frequency": frequency,
             "shaker.sine.amplitude": amplitude,
         }
-        result = runner.run(_WARM_UP + _PERIODS / frequency, sine, parameters, record=[FLOOR, SEAT])
-        found.append(sine_transmissibility(result[FLOOR], result[SEAT], RATE, frequency, _WARM_UP))
+        result = runner.run(_WARM_UP + _PERIODS / frequency, sine, parameters, record=[FLOOR, signal])
+        found.append(sine_transmissibility(result[FLOOR], result[signal], RATE, frequency, _WARM_UP))
     return _Response(np.array([each.rms_ratio for each in found]), np.array([each.gain for each in found]))
 
 
@@ -135,7 +137,10 @@ def rig_transmissibility(runner: ExperimentRunner) -> Iterator[Finding]:
     seats = runner.seats()
     del seats["ideal"]
     small, large = (
-        {name: _response(runner, case.parameters, np.full_like(_FREQUENCIES, stroke)) for name, case in seats.items()}
+        {
+            name: _response(runner, case.parameters, np.full_like(_FREQUENCIES, stroke), SEAT_MEASURED)
+            for name, case in seats.items()
+        }
         for stroke in _STROKES
     )
     yield Finding(

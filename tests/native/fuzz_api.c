@@ -27,16 +27,16 @@ typedef struct {
 typedef struct {
     Fmu fmu;
     MessageLog messages;
-    void *state;             /* saved, or NULL */
-    double time, simulated;  /* in s */
+    void *state;            /* saved, or NULL */
+    double time, simulated; /* in s */
 } Run;
 
-#define REQUIRE(condition, what)                                      \
-    do {                                                              \
-        if (!(condition)) {                                           \
+#define REQUIRE(condition, what)                                          \
+    do {                                                                  \
+        if (!(condition)) {                                               \
             fprintf(stderr, "fuzz_api.c: expected %s, got none\n", what); \
-            abort();                                                  \
-        }                                                             \
+            abort();                                                      \
+        }                                                                 \
     } while (0)
 
 static uint8_t take_byte(Input *input)
@@ -181,22 +181,33 @@ static Code call_once(Run *run, Input *input)
     const uint8_t kind = take_byte(input) % 32;
     int not_refused = 0;
     switch (kind) {
-    case 0: return start(run, input);
-    case 1: return end(run->fmu);
-    case 2: return terminate_run(run->fmu);
-    case 3: return reset(run->fmu);
-    case 4: return keep_state(run);
-    case 5: return run->state != NULL ? set_state(run->fmu, run->state) : OK;
-    case 6: return run->state != NULL ? free_state(run->fmu, &run->state) : OK;
+    case 0:
+        return start(run, input);
+    case 1:
+        return end(run->fmu);
+    case 2:
+        return terminate_run(run->fmu);
+    case 3:
+        return reset(run->fmu);
+    case 4:
+        return keep_state(run);
+    case 5:
+        return run->state != NULL ? set_state(run->fmu, run->state) : OK;
+    case 6:
+        return run->state != NULL ? free_state(run->fmu, &run->state) : OK;
     case 7:
-    case 8: return restore_spoiled(run, input);
-    case 9: return make_anew(run);
-    case 10: return set_logging(run->fmu, take_byte(input) % 2, 0, NULL);
+    case 8:
+        return restore_spoiled(run, input);
+    case 9:
+        return make_anew(run);
+    case 10:
+        return set_logging(run->fmu, take_byte(input) % 2, 0, NULL);
     case 11:
         call_unsupported(run->fmu, &not_refused);
         REQUIRE(not_refused == 0, "unsupported functions that are refused");
         return OK;
-    default: return kind < 20 ? set_anything(run, input) : step_on(run, input);
+    default:
+        return kind < 20 ? set_anything(run, input) : step_on(run, input);
     }
 }
 

@@ -353,3 +353,32 @@ def test_help_has_an_example(shell: Shell, command: list[str]):
     assert code == 0
     assert "Example" in out
     assert "seat-cosim " in out.split("Example")[1]
+
+
+def test_the_equal_rate_observer_is_that_of_the_preset(shell: Shell, tmp_path: Path):
+    for name, words in (("one", ["--observer", "equal-rate"]), ("two", ["--gains", "equal-rate"]), ("three", [])):
+        assert shell("run", "bump", "--stop-time", "1", "--driver-mass", "70", "--output", name, *words)[0] == 0
+    results = [(tmp_path / name / "result.csv").read_bytes() for name in ("one", "two", "three")]
+    assert results[0] == results[1]
+    assert results[0] != results[2]
+
+
+def test_reproduce_takes_the_observer_of_the_rig_and_refuses_it_elsewhere(shell: Shell, tmp_path: Path):
+    tables = []
+    for words in ([], ["--observer", "1"], ["--observer", "equal-rate"]):
+        code, out, err = shell("reproduce", "fig12", "--output", str(tmp_path), *words)
+        assert code == 0, err
+        tables.append(out)
+    assert tables[0] == tables[1] != tables[2]
+    for what in ("bump", "fig8", "table1"):
+        code, _, err = shell("reproduce", what, "--observer", "2", "--output", str(tmp_path))
+        assert code == 2
+        assert "--observer 2: expected with the figures of the rig (fig10, fig11, fig12, fig13, fig14, fig15" in err
+
+
+def test_design_prints_the_margins_of_other_seats(shell: Shell):
+    code, out, err = shell("design", "--gains", "published")
+    assert code == 0, err
+    rows = {line.strip()[:14]: line.split()[-6:] for line in out.splitlines()}
+    assert rows["strapped load "] == ["22", "28", "40", "48", "56", "64"]
+    assert rows["empty seat, co"] == ["8", "10", "10", "12", "12", "12"]

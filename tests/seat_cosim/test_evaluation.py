@@ -159,6 +159,8 @@ def test_end_stops_are_counted_where_the_seat_has_them(native: Path):
     without, with_ = (each.results["EM3", 80.0] for each in evaluate([free, stopped], SHORT))
     assert without.end_stop_hits is None
     assert with_.end_stop_hits
+    sagged = evaluated(native / "fmi2", seat__end_stop__travel=0.015, seat__end_stop__height=-0.01, **stops)
+    assert (stopped.end_stop_height, sagged.end_stop_height) == (0.0, -0.01)
     assert with_.peak_deflection < without.peak_deflection
 
 

@@ -76,6 +76,8 @@ def test_a_share_of_the_travel_needs_end_stops(shell: Shell):
     ridden = numbers(shell, "run", "bump", *stops)["rides"]["this ride"]
     assert ridden["travel_share"] == pytest.approx(ridden["stroke"] / 0.6)
     assert numbers(shell, "run", "bump")["rides"]["this ride"]["travel_share"] is None
+    sagged = numbers(shell, "run", "bump", *stops, "--set", "seat.end_stop.height=-0.02")["rides"]["this ride"]
+    assert sagged["travel_share"] > ridden["travel_share"]
 
 
 def test_quiet_prints_nothing(shell: Shell):

@@ -105,11 +105,12 @@ def test_passive_against_uncontrolled_is_as_in_the_paper(found: dict[str, Findin
 
 def test_fitted_numbers_agree(found: dict[str, Finding]):
     for name, printed in RMS[55.0].items():
-        # the fitted parameters are kept with three digits
-        assert value(found["table2"], f"55 kg, {name}") == pytest.approx(printed, rel=0.005)
+        # fitted to the true acceleration, of which the sensor's low-pass takes up to 1.8 %
+        measured = value(found["table2"], f"55 kg, {name}")
+        assert 0.98 * printed < measured < 1.001 * printed
     reduction = row(found["table2"], "55 kg, controlled against passive")
     assert reduction.kind is Kind.FITTED
-    assert reduction.values[0] == pytest.approx(-REDUCTIONS[55.0], abs=0.3)
+    assert reduction.values[0] == pytest.approx(-46.4, abs=0.1)
 
 
 def test_the_ideal_simulation_reaches_the_papers_reductions(found: dict[str, Finding]):
@@ -121,12 +122,39 @@ def test_70_kg_and_the_bumps_are_marked_as_predicted(found: dict[str, Finding]):
     heavy = [each for each in found["table2"].rows if each.quantity.startswith("70 kg")]
     bumps = [*found["fig11"].rows, *found["fig12"].rows]
     assert {each.kind for each in (*heavy, *bumps)} == {Kind.PREDICTED}
-    assert value(found["table2"], "70 kg, controlled against passive") == pytest.approx(-44.4, abs=0.5)
+    assert value(found["table2"], "70 kg, controlled against passive") == pytest.approx(-45.0, abs=0.1)
     for key, mass in (("fig11", 55.0), ("fig12", 70.0)):
         assert row(found[key], "Passive, peak").paper == f"{BUMP_PEAKS[mass]['passive']:.2f}"
         assert value(found[key], "Ideal, peak") < value(found[key], "Controlled, peak")
     falls = [value(found[key], "Controlled against passive") for key in ("fig11", "fig12")]
-    assert falls == [pytest.approx(-28.9, abs=0.5), pytest.approx(-37.0, abs=0.5)]
+    assert falls == [pytest.approx(-30.7, abs=0.2), pytest.approx(-38.4, abs=0.2)]
+
+
+def test_the_ranges_of_all_sets_that_fit_stand_beside_the_papers_numbers(found: dict[str, Finding]):
+    (reduction,) = (each for each in found["table2"].rows if "sets that fit" in each.quantity)
+    assert reduction.paper == f"−{REDUCTIONS[70.0]}"
+    assert reduction.values[0] > value(found["table2"], "70 kg, controlled against passive") > reduction.values[1]
+    for key, mass in (("fig11", 55.0), ("fig12", 70.0)):
+        ranges = [each for each in found[key].rows if "sets that fit" in each.quantity]
+        assert [each.paper for each in ranges] == [f"{peak:.2f}" for peak in BUMP_PEAKS[mass].values()]
+        for name, each in zip(("Passive", "Controlled"), ranges, strict=True):
+            low, high = each.values
+            assert low < value(found[key], f"{name}, peak") < high
+
+
+def test_the_hump_of_the_controlled_seat_is_named(found: dict[str, Finding]):
+    hump, slow = (each for each in found["fig15"].rows if each.quantity.startswith("Controlled, highest density"))
+    assert hump.values[0] > slow.values[0]
+    assert "loop's own mode, at 6.6 Hz" in hump.remark
+
+
+def test_another_observer_on_the_rig_is_predicted(native: Path):
+    with open_runner(seat_suspension(native / "fmi2"), rig_observer="equal-rate") as runner:
+        table = experiments.finding(runner, "table2")
+    assert row(table, "55 kg, passive").kind is Kind.FITTED
+    assert row(table, "55 kg, controlled").kind is Kind.PREDICTED
+    assert row(table, "55 kg, controlled against passive").kind is Kind.PREDICTED
+    assert "fitted with Observer 1" in row(table, "55 kg, controlled").remark
 
 
 def test_anti_windup_halves_what_is_left_of_the_bump(found: dict[str, Finding]):

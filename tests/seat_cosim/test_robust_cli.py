@@ -21,6 +21,8 @@ def test_the_mode_gets_actuator_and_travel_of_the_seat_unless_they_are_set():
     told = mode("robust", {**seat, "controller.travel": 0.03})
     assert told == {"controller.mode": "robust", "controller.actuator_time_constant": 0.005}
     assert mode("robust", seat)["controller.travel"] == 0.05
+    sagged = mode("robust", {**seat, "seat.end_stop.height": -0.02})
+    assert sagged["controller.travel"] == pytest.approx(0.03)  # the shorter way
     assert mode("published", seat) == {"controller.mode": "published"}
 
 

@@ -31,14 +31,17 @@ SENSORS = {
     "sensor.seed": 7,
 }
 STOPS = {"end_stop.travel": 0.02, "end_stop.stiffness": 2e5, "end_stop.damping": 1500.0}
-ALL = {**ACTUATOR, **SENSORS, **STOPS}
+SAGGED = {**STOPS, "end_stop.height": -0.012}
+ALL = {**ACTUATOR, **SENSORS, **SAGGED}
 
 
 def of_seat(parameters: dict[str, float]) -> dict[str, float]:
     return {f"seat.{name}": value for name, value in parameters.items()}
 
 
-@pytest.mark.parametrize("imperfections", [ACTUATOR, SENSORS, STOPS, ALL], ids=["actuator", "sensors", "stops", "all"])
+@pytest.mark.parametrize(
+    "imperfections", [ACTUATOR, SENSORS, STOPS, SAGGED, ALL], ids=["actuator", "sensors", "stops", "sagged", "all"]
+)
 def test_flavours_agree_to_the_last_bit(native: Path, fmus: Path, imperfections: dict[str, float]):
     parameters = {**SCENARIOS["bump"].parameters, **control(True), **of_seat(imperfections)}
     folders = [fmus, *(native / flavour for flavour in NATIVE)]
@@ -60,9 +63,18 @@ def test_end_stops_bound_the_deflection(native: Path):
     assert 0.02 < np.abs(bounded["seat.suspension_deflection"]).max() < 0.0225
 
 
+def test_a_seat_that_sags_meets_the_lower_end_stop_first(native: Path):
+    system = seat_suspension(native / "fmi2")
+    parameters = {**SCENARIOS["bump"].parameters, **control(False)}
+    bounded = system.simulate(1.5, H, {**parameters, **of_seat({**SAGGED, "end_stop.stiffness": 1e6})})
+    deflection = bounded["seat.suspension_deflection"]
+    assert -0.0105 < deflection.min() < -0.008  # travel less sag
+    assert 0.02 < deflection.max() < 0.0345  # and travel with it
+
+
 def test_everything_is_off_by_default():
     p = Parameters()
-    for name in (*ACTUATOR, *SENSORS, *STOPS):
+    for name in (*ACTUATOR, *SENSORS, *SAGGED):
         field = name.replace(".", "_")
         field = field if hasattr(p, field) else field.removeprefix("sensor_")
         assert getattr(p, field) == (1 if name == "sensor.seed" else 0), name

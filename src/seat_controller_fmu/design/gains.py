@@ -14,7 +14,7 @@ from seat_controller_fmu.interface import Parameters
 
 Matrix = tuple[Pair, Pair]
 
-PRESETS = ("published", "table1-printed", "recommended")
+PRESETS = ("published", "table1-printed", "recommended", "equal-rate")
 """Names of the sets in this package."""
 
 FOLDER = Path(__file__).with_name("presets")

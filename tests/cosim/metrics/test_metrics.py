@@ -125,6 +125,13 @@ def test_end_stops_count_separate_contacts_on_each_side():
     assert found.deepest == 2.0
 
 
+def test_end_stops_of_a_seat_whose_equilibrium_is_not_in_the_middle():
+    found = end_stops([5, 6, 0, -2, -3, 0, -1.9], rate=2.0, travel=4.0, height=-2.0)
+    assert (found.upper, found.lower, found.deepest) == (1, 1, 1.0)
+    mirrored = end_stops([-5, -6, 0, 2, 3, 0, 1.9], rate=2.0, travel=4.0, height=2.0)
+    assert (mirrored.upper, mirrored.lower, mirrored.time) == (1, 1, found.time)
+
+
 def test_end_stops_out_of_reach():
     found = end_stops(sine(2.0, 3.0, amplitude=0.04), RATE, travel=0.05)
     assert (found.hits, found.time, found.deepest) == (0, 0.0, 0.0)
@@ -210,6 +217,7 @@ GOOD = np.ones(2000)
         ),
         (lambda: deflection_range([math.inf], RATE), "deflection: expected finite numbers, got inf at sample 0"),
         (lambda: end_stops(GOOD, RATE, travel=0.0), "travel: expected a finite number above 0 m, got 0 m"),
+        (lambda: end_stops(GOOD, RATE, 1.0, height=np.nan), "height: expected a finite number, got nan m"),
         (lambda: actuator(GOOD, GOOD[1:], RATE), "signals of one length, got force 2000, deflection 1999 samples"),
         (lambda: actuator([1.0], [1.0], RATE), "force: expected at least 0.004 s"),
     ],

@@ -78,7 +78,9 @@ def test_other_files_are_refused(tmp_path: Path, text: str, message: str):
 
 
 def test_an_unknown_name_is_refused_with_the_known_ones():
-    with pytest.raises(GainsError, match="expected one of published, table1-printed, recommended or a file, got best"):
+    with pytest.raises(
+        GainsError, match="expected one of published, table1-printed, recommended, equal-rate or a file, got best"
+    ):
         load("best")
 
 
