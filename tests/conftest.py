@@ -7,6 +7,8 @@ and those that say so themselves. Other tests may not start a compiler.
 from __future__ import annotations
 
 import functools
+import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,12 +20,14 @@ import pytest
 
 from cosim import System
 from cosim.engine import native_stepper as stepper
+from cosim.file_lock import FileLock
 from fmus.export.build import build_library
 from seat_cosim.components import build
 from seat_cosim.scenarios import seat_suspension
 from tests.helpers.driven import Driven, driven
 from tests.helpers.paths import NATIVE, ROOT
 from tests.helpers.shell import Shell
+from tests.helpers.waiting import wait_until
 
 BUILDING = {
     "baselines",
@@ -105,10 +109,23 @@ def fmus(fmu_folder: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def native(fmu_folder: Path) -> Path:
-    """Folder of the folders ``fmi2`` and ``fmi3`` of freshly built native FMUs, for this machine."""
-    for _ in build(fmu_folder, NATIVE):
-        pass
+def native(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the folders ``fmi2`` and ``fmi3`` of freshly built native FMUs, for this machine.
+
+    The first of pytest's workers builds them, the others wait and copy.
+    """
+    base = tmp_path_factory.getbasetemp()
+    shared = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "native"
+    shared.mkdir(exist_ok=True)
+    lock = FileLock(shared / "lock")
+    wait_until(lock.acquire)
+    try:
+        for _ in build(shared, NATIVE):
+            pass
+    finally:
+        lock.release()
+    for flavour in NATIVE:
+        shutil.copytree(shared / flavour, fmu_folder / flavour)
     return fmu_folder
 
 

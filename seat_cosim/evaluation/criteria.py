@@ -138,7 +138,15 @@ class Judgement:
 
 
 def judge_seat_rms(excitation_class: str, result: DriverClassResult) -> Judgement:
-    """Judge the SEAT by a_w by the limit of its class."""
+    """Judge the SEAT by a_w by the limit of its class.
+
+    Parameters
+    ----------
+    excitation_class
+        Name of the class of the floor, for example ``EM3``.
+    result
+        Result of a driver on a class.
+    """
     known = INPUTS.get(excitation_class)
     limit = known.seat_limit if known else None
     return Judgement(
@@ -147,14 +155,28 @@ def judge_seat_rms(excitation_class: str, result: DriverClassResult) -> Judgemen
 
 
 def judge_seat_vdv(result: DriverClassResult, reference: DriverClassResult | None) -> Judgement:
-    """Judge the SEAT by VDV by that of the passive seat on the same rides."""
+    """Judge the SEAT by VDV by that of the passive seat on the same rides.
+
+    Parameters
+    ----------
+    result
+        Result of a driver on a class.
+    reference
+        The same of the passive seat; None where there is none.
+    """
     if reference is None:
         return Judgement(SEAT_VDV, result.seat_vdv, None, "no passive seat beside it")
     return Judgement(SEAT_VDV, result.seat_vdv, reference.seat_vdv)
 
 
 def judge_end_stops(result: DriverClassResult) -> Judgement:
-    """Judge the impacts on the end stops by what they add to the VDV, as a share of the floor's."""
+    """Judge the impacts on the end stops by what they add to the VDV, as a share of the floor's.
+
+    Parameters
+    ----------
+    result
+        Result of a driver on a class.
+    """
     hits, share, added = result.end_stop_hits, result.impact_share, result.seat_vdv_of_impacts
     if hits is None or share is None:
         why = "no signal of the deflection" if result.peak_deflection is None else "unlimited travel, no end stops"
@@ -164,7 +186,15 @@ def judge_end_stops(result: DriverClassResult) -> Judgement:
 
 
 def judge_mean_deflection(result: DriverClassResult, travel: float | None) -> Judgement:
-    """Judge the mean deflection by the travel."""
+    """Judge the mean deflection by the travel.
+
+    Parameters
+    ----------
+    result
+        Result of a driver on a class.
+    travel
+        Travel in m, from its middle to each side; None where it is unlimited.
+    """
     mean = result.mean_deflection
     if mean is None:
         return Judgement(MEAN_DEFLECTION, None, MAX_MEAN_DEFLECTION, "no signal of the deflection")
@@ -174,7 +204,13 @@ def judge_mean_deflection(result: DriverClassResult, travel: float | None) -> Ju
 
 
 def judge_saturation(result: DriverClassResult) -> Judgement:
-    """Judge the share of the time in which the force is at its limit."""
+    """Judge the share of the time in which the force is at its limit.
+
+    Parameters
+    ----------
+    result
+        Result of a driver on a class.
+    """
     return Judgement(
         SATURATION,
         result.saturated_share,
@@ -184,14 +220,28 @@ def judge_saturation(result: DriverClassResult) -> Judgement:
 
 
 def judge_repeatability(result: DriverClassResult) -> Judgement:
-    """Judge the distance of the runs on one input from their mean."""
+    """Judge the distance of the runs on one input from their mean.
+
+    Parameters
+    ----------
+    result
+        Result of a driver on a class.
+    """
     if len(result.rides) < MIN_RUNS:
         return Judgement(REPEATABILITY, None, MAX_SPREAD, f"fewer than {MIN_RUNS} runs")
     return Judgement(REPEATABILITY, result.spread, MAX_SPREAD)
 
 
 def judge_input(excitation_class: str, result: DriverClassResult) -> Judgement:
-    """Judge the floor's motion by the spectrum and RMS of its class."""
+    """Judge the floor's motion by the spectrum and RMS of its class.
+
+    Parameters
+    ----------
+    excitation_class
+        Name of the class of the floor, for example ``EM3``.
+    result
+        Result of a driver on a class.
+    """
     worst = result.conformity
     if worst is None:
         why = f"no spectrum of class {excitation_class} known" if excitation_class not in INPUTS else "ride too short"
@@ -200,7 +250,15 @@ def judge_input(excitation_class: str, result: DriverClassResult) -> Judgement:
 
 
 def judge_damping(excitation_class: str, found: DampingTest | None) -> Judgement:
-    """Judge the transmissibility at the resonance by the limit of the class."""
+    """Judge the transmissibility at the resonance by the limit of the class.
+
+    Parameters
+    ----------
+    excitation_class
+        Name of the class of the floor, for example ``EM3``.
+    found
+        The damping test; None where it could not be made.
+    """
     known = INPUTS.get(excitation_class)
     limit = known.damping_limit if known else None
     if found is None:

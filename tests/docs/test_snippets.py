@@ -15,13 +15,18 @@ from tests.helpers.paths import ROOT
 
 LONG = (
     "docs/explanation/calibration.md",
+    "docs/how-to/assess-a-measured-ride.md",
     "docs/how-to/choose-an-excitation.md",
+    "docs/how-to/compute-metrics.md",
     "docs/how-to/design-gains.md",
     "docs/how-to/evaluate-a-system.md",
+    "docs/how-to/isolate-an-fmu.md",
+    "docs/how-to/model-imperfections.md",
     "docs/how-to/record-runs.md",
     "docs/how-to/replace-a-component.md",
     "docs/how-to/reproduce-the-paper.md",
     "docs/how-to/set-parameters-and-gains.md",
+    "docs/how-to/write-a-controller.md",
     "examples/controllers/README.md",
 )
 """Pages whose commands take long; they run in ``make test-all``."""

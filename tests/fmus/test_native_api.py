@@ -16,7 +16,7 @@ from tests.helpers.paths import NATIVE, ROOT
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wno-type-limits", "-Werror"]  # a model may have no inputs
 
 UNDER_VALGRIND = {("SeatController", "fmi2"), ("Shaker", "fmi3")}
-"""Those for every run of the tests, to which the sanitizers add most."""
+"""Those which run under valgrind in every run of the tests, the others under sanitizers; `make test-all` runs all."""
 
 pytestmark = [pytest.mark.builds, pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")]
 
@@ -36,8 +36,15 @@ def test_program(flavour: str, component: Component, folder: Path, *options: str
 test_program.__test__ = False  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("flavour", NATIVE)
-@pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.name)
+@pytest.mark.parametrize(
+    ("component", "flavour"),
+    [
+        pytest.param(c, flavour, marks=[pytest.mark.long] if (c.name, flavour) in UNDER_VALGRIND else [])
+        for c in COMPONENTS
+        for flavour in NATIVE
+    ],
+    ids=lambda value: getattr(value, "name", value),
+)
 def test_walk_through_the_api_is_silent_under_sanitizers(component: Component, flavour: str, tmp_path: Path):
     sanitizers = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     program = test_program(flavour, component, tmp_path, *sanitizers)

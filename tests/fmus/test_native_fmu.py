@@ -390,6 +390,7 @@ def test_a_missing_platform_is_built_and_a_failing_compiler_reported(
         compile_binary("Shaker", {"shaker.c": b"no C"}, PLATFORMS["x86_64-linux"])
 
 
+@pytest.mark.long
 @linux
 def test_without_zig_the_machines_compiler_gives_the_same_results(
     native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

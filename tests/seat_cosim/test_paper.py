@@ -148,6 +148,7 @@ def test_the_hump_of_the_controlled_seat_is_named(found: dict[str, Finding]):
     assert "loop's own mode, at 6.6 Hz" in hump.remark
 
 
+@pytest.mark.long
 def test_another_observer_on_the_rig_is_predicted(native: Path):
     with open_runner(seat_suspension(native / "fmi2"), rig_observer="equal-rate") as runner:
         table = experiments.finding(runner, "table2")

@@ -346,7 +346,7 @@ def test_a_good_seat_passes_and_the_passive_one_does_not(shell: Shell, tmp_path:
     assert "seat_vdv" not in (passive["failed"] + passive["not_judged"]).split()
 
 
-def test_inputs_that_do_not_conform_are_told(shell: Shell, tmp_path: Path):
+def test_inputs_that_do_not_conform_are_reported(shell: Shell, tmp_path: Path):
     words = ("--mode", "robust", "--classes", "EM4", "--masses", "80", "--processes", "1")
     code, out, _ = shell("evaluate", *words, "--seeds", "1,2,3", "--output", "out")
     assert code == 0

@@ -54,6 +54,7 @@ def test_rows_have_the_papers_order_of_curves(rides: Rides, row: dict[str, str])
         assert abs(rig.ride(name, 55.0)[1] - study.PEAK) <= study.PEAK_RANGE
 
 
+@pytest.mark.long
 def test_a_search_repeats_the_begin_of_the_file(rides: Rides):
     _, first = next(study.search(rides, 1))
     assert {name: str(value) for name, value in first.items()} == ROWS[0]

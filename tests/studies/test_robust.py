@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from fmus.variables import variables_of
 from seat_controller_fmu.interface import Parameters
 from studies import robust_table, tune_robust
@@ -19,6 +21,7 @@ def test_what_is_searched_are_parameters_and_the_defaults_are_legal():
     assert tune_robust.is_legal(tune_robust.defaults())
 
 
+@pytest.mark.long
 def test_the_cost_of_the_defaults_is_below_that_of_a_bad_law(native: Path):
     with tune_robust.Rating(native / "fmi2") as rating:
         found = rating.cost(tune_robust.defaults())

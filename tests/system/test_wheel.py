@@ -125,6 +125,7 @@ def test_the_wheel_names_its_platform_and_is_reproducible(distributions: Path, t
     subprocess.run([sys.executable, "-m", "twine", "check", "--strict", wheel, sdist], check=True)
 
 
+@pytest.mark.long
 def test_a_wheel_without_binaries_is_for_any_platform(distributions: Path, tmp_path: Path):
     sdist = next((distributions / "dist").glob("*.tar.gz"))
     shutil.unpack_archive(sdist, tmp_path)

@@ -260,6 +260,7 @@ def test_unreadable_files_give_a_message(tmp_path: Path, in_c: Callable[..., lis
         assert in_c([path]) == [str(caught.value)]
 
 
+@pytest.mark.long
 def test_a_file_with_too_many_rows_is_refused(tmp_path: Path, in_c: Callable[..., list[str]]):
     path = tmp_path / "large.csv"
     with path.open("w", encoding="utf-8") as stream:

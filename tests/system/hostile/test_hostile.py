@@ -13,7 +13,7 @@ from tests.system.hostile import extracted_fmus, fuzz
 SEED = 20240607
 """The same cases with every run of the tests."""
 
-CASES = {"calls": 25, "states": 150, "readers": 40}
+CASES = {"calls": 25, "states": 150, "readers": 25}
 """By kind of target: so many that all of them take a minute of one core."""
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="loads Linux binaries")
