@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,17 +12,8 @@ import numpy as np
 from cosim.errors import SetupError
 from cosim.recordings.columns import Column, read_column
 from cosim.recordings.measurement_file import Floats, package
+from cosim.results.mdf_reading import opened_mdf
 from cosim.results.parquet import UNIT
-
-
-@contextmanager
-def _silent_finalizers() -> Iterator[None]:
-    """Suppress what Python prints about exceptions of finalizers."""
-    hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
-    try:
-        yield
-    finally:
-        sys.unraisablehook = hook
 
 
 class MdfFile:
@@ -67,14 +56,15 @@ class MdfFile:
                         self.clocks.add(channel.name)
         self.columns: Sequence[Column] = columns
 
-    def _open(self) -> Any:
-        with _silent_finalizers():  # of an object that asammdf has not completed
-            try:
-                return self._asammdf.MDF(self.path)
-            except Exception as error:  # asammdf raises exceptions of many types for invalid files
-                message = " ".join(str(error).split())
-            gc.collect()
-        raise SetupError(f"{self.path}: expected an MDF file, got: {message}")
+    @contextmanager
+    def _open(self) -> Iterator[Any]:
+        try:
+            with opened_mdf(self._asammdf, self.path) as mdf:
+                yield mdf
+        except SetupError:
+            raise
+        except Exception as error:  # asammdf raises exceptions of many types for invalid files
+            raise SetupError(f"{self.path}: expected an MDF file, got: {' '.join(str(error).split())}") from None
 
     def load(self, indices: Sequence[int]) -> None:
         """Read columns of the file.

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import logging
 import struct
-from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
-from traceback import walk_tb
 from typing import Any
 
 import numpy as np
 
 from cosim.errors import SetupError
-from cosim.fmi.output_capture import OutputCapture
 from cosim.fmi.temporary_folders import temporary_folder
 from cosim.results.file_sink import BlockSink, ResultTable, Rows, import_optional
+from cosim.results.mdf_reading import opened_mdf
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 """Start time of every measurement, so that equal runs give equal bytes."""
@@ -108,37 +105,10 @@ class MdfSink(BlockSink):
             If the file has no channel group, or asammdf is not installed.
         """
         asammdf = _asammdf()
-        with temporary_folder() as folder, _without_messages():
-            try:
-                with asammdf.MDF(path, temporary_folder=str(folder)) as mdf:
-                    channels = [mdf.get(group=0, index=i, raw=True) for i in range(len(mdf.groups[0].channels))]
+        try:
+            with opened_mdf(asammdf, path) as mdf:
+                channels = [mdf.get(group=0, index=i, raw=True) for i in range(len(mdf.groups[0].channels))]
                 rows = np.column_stack([channel.samples.astype(float) for channel in channels])
-            except Exception as error:  # asammdf raises exceptions of many types for invalid files
-                _close_unfinished(error)
-                raise SetupError(f"{path}: expected an MDF4 file with a channel group, got: {error}") from None
+        except Exception as error:  # asammdf raises exceptions of many types for invalid files
+            raise SetupError(f"{path}: expected an MDF4 file with a channel group, got: {error}") from None
         return ResultTable([c.name for c in channels], [c.unit or None for c in channels], rows)
-
-
-@contextmanager
-def _without_messages() -> Iterator[None]:
-    """Keep asammdf from logging and printing what it finds wrong with a file: the exception says it."""
-
-    def nothing(record: logging.LogRecord) -> bool:
-        return False
-
-    log = logging.getLogger("asammdf")
-    log.addFilter(nothing)
-    try:
-        with closing(OutputCapture()) as printed, printed.on():
-            yield
-    finally:
-        log.removeFilter(nothing)
-
-
-def _close_unfinished(error: BaseException) -> None:
-    """Close the objects of asammdf whose construction an error has ended: they would print another one when deleted."""
-    for frame, _ in walk_tb(error.__traceback__):
-        unfinished: Any = frame.f_locals.get("self")
-        if hasattr(unfinished, "_closed") and hasattr(unfinished, "_tempfile"):
-            unfinished._closed = True
-            unfinished._tempfile.close()

@@ -266,6 +266,7 @@ def test_debug_shows_the_traceback_and_nothing_else_does(shell: Shell):
     assert "Traceback" not in shell("run", "bump", "--step-size", "0")[2]
 
 
+@pytest.mark.long
 def test_build_prints_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
     code, out, _ = shell("build", "--flavour", "fmi2", "--flavour", "fmi3", "--output", "here")
     assert code == 0

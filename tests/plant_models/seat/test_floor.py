@@ -183,6 +183,7 @@ def test_one_signal_with_all_signals_declared_fails_these_bounds(rig: Rig):
         assert errors(run(rig, only, FloorSignals.all, False), expected)[0] > 2 * BOUNDS["bump", signal][0]
 
 
+@pytest.mark.long
 def test_an_acceleration_without_the_start_velocity_is_another_floor(rig: Rig):
     found = errors(run(rig, sampled("sine"), FloorSignals.acceleration, False), exact("sine", False))
     assert found[0] > 0.1

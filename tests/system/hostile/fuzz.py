@@ -10,10 +10,12 @@ A find is printed with the seed that leads to it, and kept in results/hostile.
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import json
 import os
 import secrets
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -179,6 +181,7 @@ def work(targets: Sequence[str], place: Place, number: int, cases: int | None, u
     """
     ours = os.dup(1)
     os.dup2(2, 1)
+    faulthandler.register(signal.SIGALRM, chain=True)  # says where a call hangs
     warnings.simplefilter("ignore", HypothesisWarning)
     warnings.simplefilter("always", UserWarning)
     before = os.fstat(2).st_size
