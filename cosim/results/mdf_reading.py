@@ -1,4 +1,4 @@
-"""MDF files opened by asammdf: what it finds wrong with one leaves nothing, prints nothing, and does not hang."""
+"""MDF files opened by asammdf: what it finds wrong with one leaves nothing and prints nothing."""
 
 from __future__ import annotations
 
