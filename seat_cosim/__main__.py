@@ -1,5 +1,16 @@
-"""``python -m seat_cosim``: the same as ``seat-cosim``."""
+"""``python -m seat_cosim`` and ``seat-cosim``: the command line, loaded so that Ctrl-C ends it from the first moment."""
 
-from seat_cosim.cli.main import main
+from __future__ import annotations
 
-main()
+from seat_cosim.cli.loading import leaving_at_once
+
+
+def main() -> None:
+    """Load the command line, run it and exit; see :func:`seat_cosim.cli.main.main`."""
+    with leaving_at_once():
+        from seat_cosim.cli.main import main as run
+    run()
+
+
+if __name__ == "__main__":
+    main()

@@ -3,39 +3,15 @@
 from __future__ import annotations
 
 import ast
-import os
-import signal
-import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import click
 
 from cosim.errors import did_you_mean
-
-
-@contextmanager
-def _leaving_at_once() -> Iterator[None]:
-    """End the process at Ctrl-C while modules are loaded: nothing has begun, and imports may swallow the exception."""
-    in_main_thread = threading.current_thread() is threading.main_thread()
-    before = signal.getsignal(signal.SIGINT)
-    if not in_main_thread or before is not signal.default_int_handler:
-        yield
-        return
-    signal.signal(signal.SIGINT, _leave)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def _leave(number: int, frame: FrameType | None) -> None:
-    os.write(2, b"seat-cosim: error: interrupted\n")
-    os._exit(1)
+from seat_cosim.cli.loading import leaving_at_once
 
 
 class LazyGroup(click.Group):
@@ -75,7 +51,7 @@ class LazyGroup(click.Group):
         if cmd_name not in self._modules:
             return None
         module, function = self._modules[cmd_name]
-        with _leaving_at_once():
+        with leaving_at_once():
             command = getattr(import_module(module), function)
         assert isinstance(command, click.Command)
         return command

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import importlib.util
 import subprocess
 import sys
@@ -119,6 +120,6 @@ def test_they_isolate_as_tuned(name: str, baselines: Path, shell: Shell, tmp_pat
     code, out, err = shell("evaluate", *words, *replaced, "--output", "out")
     assert (code, err) == (0, "")
     assert f"SeatSuspension, {name}" in out
-    first = (tmp_path / "out" / "evaluation.csv").read_text(encoding="utf-8").splitlines()[1]
-    seat = float(first.removeprefix(f'"SeatSuspension, {name}",').split(",")[4])
-    assert seat < 0.2
+    with (tmp_path / "out" / "evaluation.csv").open(encoding="utf-8") as stream:
+        first = next(csv.DictReader(stream))
+    assert float(first["seat"]) < 0.2
