@@ -1,4 +1,4 @@
-"""``python -m seat_cosim`` and ``seat-cosim``: the command line, loaded so that Ctrl-C ends it from the first moment."""
+"""``python -m seat_cosim`` and ``seat-cosim``: the command line, loaded so that Ctrl-C ends it at once."""
 
 from __future__ import annotations
 
