@@ -80,10 +80,8 @@ def _owner(model: str, variable: str) -> tuple[str, str] | None:
 
 def _item(system: Structure, name: str, parameters: Mapping[str, Value]) -> str | None:
     """Return the name of the item that an enumeration has in a run; None where it is not of this project's kind."""
+    kind = {"profile": Profile, "mode": Mode}[name.rpartition(".")[2]]
     try:
-        component, variable = system.parse(name)
-        value = system.check_parameters(parameters)[component].get(variable, system.start(name))
-        kind = {"profile": Profile, "mode": Mode}[variable]
-        return kind(int(value)).name  # type: ignore[arg-type]  # a number
+        return kind(int(system.number(name, parameters))).name
     except (SetupError, TypeError, ValueError):
         return None

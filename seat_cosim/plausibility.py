@@ -18,9 +18,10 @@ from cosim.fmi.values import Value
 from cosim.results.result import Result
 from cosim.units import GRAVITY, IDENTITY
 from fmus.component import ParameterError
+from plant_models.shaker.interface import Profile
 from plant_models.shaker.recording import read
 from seat_controller_fmu.parameters import SAMPLE_TIME
-from seat_cosim.scenarios import driver_mass
+from seat_cosim.scenarios import FMUS, components_of, driver_mass
 
 DRIVERS = (30.0, 200.0)
 """Range of a driver's mass in kg."""
@@ -61,26 +62,14 @@ def notes_before(
     step_size, stop_time
         Communication step and stop time in s; the system's where None.
     """
-    values = _values(system, parameters, driver_mass(0.0))
+    masses = {name: system.number(name, parameters) for name in driver_mass(0.0) if system.has(name)}
     return [
-        *_mass_notes(values),
+        *_mass_notes(masses),
         *_step_notes(system, system.step_size if step_size is None else step_size),
         *_floor_notes(system),
         *_unit_notes(system),
         *_recording_notes(system, parameters, system.stop_time if stop_time is None else stop_time),
     ]
-
-
-def _values(system: Structure, parameters: Mapping[str, Value], names: Iterable[str]) -> dict[str, float]:
-    """Return the values that parameters have in a run; those that the system does not have are left out."""
-    checked = system.check_parameters(parameters)
-    found = {}
-    for name in names:
-        if system.has(name):
-            component, variable = system.parse(name)
-            value = checked[component].get(variable)
-            found[name] = system.start(name) if value is None else float(value)  # type: ignore[arg-type]  # a number
-    return found
 
 
 def _mass_notes(masses: Mapping[str, float]) -> Iterator[str]:
@@ -93,8 +82,7 @@ def _mass_notes(masses: Mapping[str, float]) -> Iterator[str]:
 
 
 def _step_notes(system: Structure, step_size: float | None) -> Iterator[str]:
-    samplers = [name for name, model in system.models.items() if model.description.modelName == "SeatController"]
-    for name in samplers:
+    for name in components_of(system, "SeatController"):
         own = system.component_steps.get(name, step_size)
         if own is not None and own > SAMPLE_TIME.value * (1.0 + 1e-9):
             yield (
@@ -127,33 +115,24 @@ def _unit_notes(system: Structure) -> Iterator[str]:
 
 
 def _recording_notes(system: Structure, parameters: Mapping[str, Value], stop_time: float | None) -> Iterator[str]:
-    """Yield notes on recordings that end before the run, or look as if they were in other units than s and m/s2."""
+    """Yield notes on the recordings that a run plays."""
     checked = system.check_parameters(parameters)
-    for name, model in system.models.items():
+    for name in components_of(system, FMUS["shaker"]):
         path = Path(str(checked[name].get("file.path", "")))
-        plays = model.description.modelName == "Shaker" and "profile" in checked[name]
-        if (
-            plays
-            and path.is_absolute()
-            and checked[name]["profile"] == model.value(name, model.elements(name, "profile"), "file")
-        ):
+        if path.is_absolute() and system.number(f"{name}.profile", parameters) == Profile.file:
             with suppress(ParameterError):  # the FMU says why it cannot be used
-                yield from recording_notes(str(path))
-                end = read(str(path)).times[-1]
-                if stop_time is not None and stop_time > end * (1.0 + 1e-6):
-                    yield (
-                        f"{path}: the recording ends at {end:g} s, the run at {stop_time:g} s, and the numbers count "
-                        f"the still floor after it; where that is not meant: --stop-time {end:g}"
-                    )
+                yield from recording_notes(str(path), stop_time)
 
 
-def recording_notes(path: str) -> Iterator[str]:
-    """Yield what is doubtful about a recording.
+def recording_notes(path: str, stop_time: float | None = None) -> Iterator[str]:
+    """Yield what is doubtful about a recording: it ends before the run, or looks as if in other units than s and m/s2.
 
     Parameters
     ----------
     path
         The CSV file.
+    stop_time
+        End of the run in s; None where it is not known.
 
     Yields
     ------
@@ -166,7 +145,12 @@ def recording_notes(path: str) -> Iterator[str]:
         If the file cannot be used.
     """
     recording = read(path)
-    values = np.array(recording.values)
+    values, end = np.array(recording.values), recording.times[-1]
+    if stop_time is not None and stop_time > end * (1.0 + 1e-6):
+        yield (
+            f"{path}: the recording ends at {end:g} s, the run at {stop_time:g} s, and the numbers count the still "
+            f"floor after it; where that is not meant: --stop-time {end:g}"
+        )
     step = float(np.median(np.diff(recording.times)))
     if step > 1.0 / MIN_RATE:
         yield (

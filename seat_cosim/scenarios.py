@@ -101,6 +101,11 @@ def seat_suspension(folder: Path) -> System:
     return system
 
 
+def components_of(system: Structure, model: str) -> list[str]:
+    """Return the names of a system's components that are of a model, such as ``SeatPlant``."""
+    return [name for name, each in system.models.items() if each.description.modelName == model]
+
+
 # ---- parameters of the seat suspension, as component.variable --------------------------------------------------------
 
 

@@ -384,6 +384,25 @@ class Structure(Network):
         """Return the start value of the number ``component.variable``."""
         return float(self.variable(self.parse(ref)).start)
 
+    def number(self, ref: str, parameters: Mapping[str, Value] | None = None) -> float:
+        """Return the value that a parameter has in a run.
+
+        Parameters
+        ----------
+        ref
+            A number, or item of an enumeration, as ``component.variable``.
+        parameters
+            Parameters of the run, which win over the system's.
+
+        Raises
+        ------
+        SetupError
+            If there is no such parameter, or one has a value that its FMU does not take.
+        """
+        component, variable = self.parse(ref)
+        value = self.check_parameters(parameters or {})[component].get(variable)
+        return self.start(ref) if value is None else float(value)  # type: ignore[arg-type]  # a number
+
 
 def _add_places(found: dict[str, set[int]], elements: Elements) -> None:
     """Add elements to those of their variable."""

@@ -15,6 +15,7 @@ from cosim.errors import SetupError, listed
 from cosim.fmi.values import Value
 from cosim.recordings.requests import ClockRequest, ReadOptions, TextOptions
 from seat_cosim.cli.effect import is_given, spelling
+from seat_cosim.scenarios import FMUS, components_of
 
 if TYPE_CHECKING:
     from seat_cosim.measured import FloorRecording
@@ -167,7 +168,7 @@ def shaker_of(system: Structure) -> str:
     SetupError
         If it has no Shaker, or several.
     """
-    found = [name for name, model in system.models.items() if model.description.modelName == "Shaker"]
+    found = components_of(system, FMUS["shaker"])
     if len(found) != 1:
         got = f"{len(found)}, {listed(found)}" if found else "none"
         raise SetupError(f"--recording: expected a system with one Shaker, which plays it, got {got}")

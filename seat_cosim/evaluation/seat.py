@@ -11,7 +11,7 @@ from cosim.fmi.values import Value
 from cosim.system import System
 from seat_cosim.evaluation.installation import Installation
 from seat_cosim.evaluation.system import EvaluatedSystem, SignalMap
-from seat_cosim.scenarios import control, driver_mass, read_parameter_sets
+from seat_cosim.scenarios import FMUS, components_of, control, driver_mass, read_parameter_sets
 
 PASSIVE_NOTE = (
     "The passive seat is not the paper's, of which nothing is published: its damping is fitted on one of its numbers, "
@@ -94,12 +94,15 @@ def common_parameters(system: System, shaker: str = "shaker") -> dict[str, Value
     dict
         Names in the seat suspension, as ``component.variable``, to values.
     """
+    shaken, seated = (
+        name in components_of(system, FMUS[ours]) for name, ours in ((shaker, "shaker"), ("seat", "seat"))
+    )
     found = {}
     for name, value in system.parameters.items():
         component, _, variable = name.partition(".")
-        if component == shaker and _is(system, shaker, "Shaker"):
+        if component == shaker and shaken:
             found[f"shaker.{variable}"] = value
-        elif component == "seat" and variable.startswith(_OF_THE_TEST) and _is(system, "seat", "SeatPlant"):
+        elif component == "seat" and seated and variable.startswith(_OF_THE_TEST):
             found[name] = value
     return found
 
@@ -112,11 +115,7 @@ def inert_load(system: System) -> dict[str, Value]:
     system
         The system.
     """
-    return read_parameter_sets(["load"], system) if _is(system, "seat", "SeatPlant") else {}
-
-
-def _is(system: System, component: str, model: str) -> bool:
-    return component in system.models and system.models[component].description.modelName == model
+    return read_parameter_sets(["load"], system) if "seat" in components_of(system, FMUS["seat"]) else {}
 
 
 def passive_seat(

@@ -216,20 +216,14 @@ class EvaluatedSystem:
     def sensor_seed(self) -> int:
         """Seed of the sensors' noise in the first run; 0 for a system without."""
         name = self.signals.noise_seed
-        return 0 if name is None else int(self._given(name))
-
-    def _given(self, name: str) -> float:
-        """Return the value that a parameter has in all runs."""
-        component, variable = self.system.parse(name)
-        value = self.system.check_parameters({})[component].get(variable, self.system.start(name))
-        return float(value)  # type: ignore[arg-type]  # the parameter is a number
+        return 0 if name is None else int(self.system.number(name))
 
     def _value(self, name: str | None, unit: Unit) -> float | None:
         """Return the value of a parameter in SI units; None for 0, and where there is no such parameter."""
         if name is None:
             return None
         transformation = conversion(_unit(self.system, name), unit) or IDENTITY
-        return transformation.factor * self._given(name) or None
+        return transformation.factor * self.system.number(name) or None
 
     def in_si_units(self, name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         """Convert samples of an output to SI units.
