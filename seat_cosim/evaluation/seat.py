@@ -94,9 +94,8 @@ def common_parameters(system: System, shaker: str = "shaker") -> dict[str, Value
     dict
         Names in the seat suspension, as ``component.variable``, to values.
     """
-    shaken, seated = (
-        name in components_of(system, FMUS[ours]) for name, ours in ((shaker, "shaker"), ("seat", "seat"))
-    )
+    shaken = shaker in components_of(system, FMUS["shaker"])
+    seated = "seat" in components_of(system, FMUS["seat"])
     found = {}
     for name, value in system.parameters.items():
         component, _, variable = name.partition(".")
