@@ -17,19 +17,39 @@ from cosim.system import System
 from fmus import FLAVOURS
 from plant_models import parameter_sets
 
-FMUS = {"shaker": "Shaker", "seat": "SeatPlant", "controller": "SeatController"}
+KMH = 3.6
+"""Kilometres per hour in a metre per second."""
 
-SYSTEM_FILES = {"fmi2": "SeatSuspension.ssp", "fmi3": "SeatSuspension-fmi3.ssp"}
-"""Flavour to the file that describes the system of its FMUs."""
+SHAKER, TRUCK = "shaker", "truck"
+"""Components that move the cabin floor."""
 
-_CONNECTIONS = {
-    "seat.floor_displacement": "shaker.floor_displacement",
-    "seat.floor_velocity": "shaker.floor_velocity",
-    "seat.floor_acceleration": "shaker.floor_acceleration",
+FLOORS = {SHAKER: "Shaker", TRUCK: "TruckCab"}
+"""Component that moves the cabin floor to its FMU."""
+
+FMUS = {**FLOORS, "seat": "SeatPlant", "controller": "SeatController"}
+"""Component to its FMU."""
+
+SYSTEM_NAMES = {SHAKER: "SeatSuspension", TRUCK: "TruckSeat"}
+"""Component that moves the floor to the name of the system."""
+
+SYSTEM_FILES = {
+    flavour: {floor: f"{name}{suffix}.ssp" for floor, name in SYSTEM_NAMES.items()}
+    for flavour, suffix in (("fmi2", ""), ("fmi3", "-fmi3"))
+}
+"""Flavour and component that moves the floor to the file that describes the system of its FMUs."""
+
+FLOOR_SIGNALS = ("floor_displacement", "floor_velocity", "floor_acceleration")
+"""Outputs of a floor, and inputs of a seat."""
+
+_LOOP = {
     "seat.force": "controller.force",
     "controller.seat_acceleration": "seat.seat_acceleration_measured",
     "controller.suspension_deflection": "seat.suspension_deflection_measured",
 }
+"""Connections of controller and seat."""
+
+_REACTION = {f"{TRUCK}.seat_force": "seat.floor_force"}
+"""What a seat does to a floor that gives way."""
 
 
 @dataclass(frozen=True)
@@ -41,14 +61,34 @@ class Scenario:
     description
         One line.
     parameters
-        Parameters of the shaker, as ``component.variable``.
+        Parameters of the floor, as ``component.variable``.
     stop_time
         In s.
+    floor
+        Component that moves the floor, a key of :data:`FLOORS`.
     """
 
     description: str
     parameters: Mapping[str, Value]
     stop_time: float
+    floor: str = SHAKER
+
+
+ROAD, SPEED = "C", 60.0
+"""Class of the road, and speed in km/h, that a truck has by default."""
+
+
+def road(name: str, speed: float) -> dict[str, Value]:
+    """Return the parameters of a truck on a road of ISO 8608.
+
+    Parameters
+    ----------
+    name
+        Class of the road, ``A`` to ``E``.
+    speed
+        In km/h.
+    """
+    return {f"{TRUCK}.road.profile": "iso8608", f"{TRUCK}.road.class": name, f"{TRUCK}.speed": speed / KMH}
 
 
 SCENARIOS: dict[str, Scenario] = {
@@ -57,47 +97,59 @@ SCENARIOS: dict[str, Scenario] = {
     "sweep": Scenario("a logarithmic sweep, 0.5 to 20 Hz at 1 m/s2 by default", {"shaker.profile": "sweep"}, 60.0),
     "random": Scenario("random motion of an ISO 7096 class, EM1 by default", {"shaker.profile": "random"}, 60.0),
     "file": Scenario("a recording, the FMU's example by default", {"shaker.profile": "file"}, 10.0),
+    "truck": Scenario("a truck's cab, 60 km/h on a road of class C by default", road(ROAD, SPEED), 60.0, TRUCK),
 }
 """Name of a scenario to what it is."""
 
 OVERVIEW = {
-    "Acceleration": ["seat.driver_acceleration", "seat.seat_acceleration", "shaker.floor_acceleration"],
-    "Displacement": ["seat.suspension_deflection", "shaker.floor_displacement"],
+    "Acceleration": [
+        "seat.driver_acceleration",
+        "seat.seat_acceleration",
+        *(f"{floor}.floor_acceleration" for floor in FLOORS),
+    ],
+    "Displacement": ["seat.suspension_deflection", *(f"{floor}.floor_displacement" for floor in FLOORS)],
     "Force": ["controller.force", "controller.disturbance_estimate", "seat.friction_force"],
 }
-"""Panels of a run's overview: quantity to its signals, which have one unit; the driver's first, on top."""
+"""Panels of a run's overview: quantity to its signals, which have one unit; the driver's first, on top.
+
+A system has those of one floor.
+"""
 
 
-def seat_suspension(folder: Path) -> System:
-    """Return the system of shaker, seat and controller, connected.
+def seat_suspension(folder: Path, floor: str = SHAKER) -> System:
+    """Return the system of a floor, seat and controller, connected.
 
-    The components step in the order controller, seat, shaker: there is no delay from sample to force, and the seat's
+    The components step in the order controller, seat, floor: there is no delay from sample to force, and the seat's
     step starts from the floor at its beginning. (With the shaker before the seat it would start from the floor at its
-    end.)
+    end.) The force of the seat acts on the cab of a truck.
 
     Parameters
     ----------
     folder
         Folder of the three FMUs.
+    floor
+        Component that moves the floor, a key of :data:`FLOORS`.
 
     Raises
     ------
     SetupError
-        If one of them does not exist.
+        If one of the FMUs does not exist.
     """
-    missing = [fmu for fmu in FMUS.values() if not (folder / f"{fmu}.fmu").is_file()]
+    order = ("controller", "seat", floor)
+    missing = [FMUS[name] for name in reversed(order) if not (folder / f"{FMUS[name]}.fmu").is_file()]
     if missing:
         raise SetupError(
             f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; "
             f"run: seat-cosim build{f' --flavour {folder.name}' if folder.name in FLAVOURS else ''}"
         )
     system = System()
-    system.name = "SeatSuspension"
-    for name, fmu in FMUS.items():
-        system.add(name, folder / f"{fmu}.fmu")
-    for sink, source in _CONNECTIONS.items():
+    system.name = SYSTEM_NAMES[floor]
+    for name in reversed(order):
+        system.add(name, folder / f"{FMUS[name]}.fmu")
+    motion = {f"seat.{signal}": f"{floor}.{signal}" for signal in FLOOR_SIGNALS}
+    for sink, source in {**motion, **_LOOP, **(_REACTION if floor == TRUCK else {})}.items():
         system.connect(source, sink)
-    system.order = ("controller", "seat", "shaker")
+    system.order = order
     return system
 
 

@@ -15,7 +15,7 @@ from seat_cosim.cli.outcome import OutputOptions, output_options, print_rides
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained, notes_after
-from seat_cosim.scenarios import SCENARIOS
+from seat_cosim.scenarios import SCENARIOS, Scenario
 
 WITHOUT_GAINS = ("off", "passive", "robust")
 """What can be compared without the published law, whose range of drivers then does not matter."""
@@ -56,12 +56,12 @@ def compare(
     duration = chosen.stop_time if stop_time is None else stop_time
     folder = choose_folder(output, Path("results", "compare", scenario), command_line(), force=force, marker=EVALUATION)
     ridden = []
-    _refuse_idle_shaker(seat, scenario)
+    _refuse_idle_floor(seat, chosen)
     with progress_shown("comparing") as report:
         for ride in comparison.rides(
             controllers,
-            seat.system,
-            lambda system: {**chosen.parameters, **seat.parameters(system)},
+            lambda: seat.system(chosen.floor),
+            lambda system: seat.ride(chosen, system),
             duration,
             folder,
             command_line(),
@@ -89,10 +89,9 @@ def compare(
         console.print(f"comparison.png and {len(ridden)} runs in {folder}", soft_wrap=True)
 
 
-def _refuse_idle_shaker(seat: SeatOptions, scenario: str) -> None:
+def _refuse_idle_floor(seat: SeatOptions, scenario: Scenario) -> None:
     """Raise an error for parameters of another floor; those of the controller may concern one of the compared."""
-    system = seat.system()
+    system = seat.system(scenario.floor)
     given = settings(seat.settings, system)
-    refuse_idle(
-        (name for name in given if name.startswith("shaker.")), system, {**SCENARIOS[scenario].parameters, **given}
-    )
+    of_floor = (name for name in given if name.startswith(f"{scenario.floor}."))
+    refuse_idle(of_floor, system, {**scenario.parameters, **given})

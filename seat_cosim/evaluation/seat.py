@@ -11,7 +11,7 @@ from cosim.fmi.values import Value
 from cosim.system import System
 from seat_cosim.evaluation.installation import Installation
 from seat_cosim.evaluation.system import EvaluatedSystem, SignalMap
-from seat_cosim.scenarios import FMUS, components_of, control, driver_mass, read_parameter_sets
+from seat_cosim.scenarios import FLOORS, FMUS, SHAKER, TRUCK, components_of, control, driver_mass, read_parameter_sets
 
 PASSIVE_NOTE = (
     "The passive seat is not the paper's, of which nothing is published: its damping is fitted on one of its numbers, "
@@ -25,7 +25,7 @@ _OF_THE_TEST = ("driver_mass", "cushion_", "end_stop.", "floor_signals")
 """Beginnings of the names of SeatPlant's parameters that belong to the test: driver, cushion, end stops, floor."""
 
 
-def seat_signals(shaker: str = "shaker") -> SignalMap:
+def seat_signals(shaker: str = SHAKER) -> SignalMap:
     """Return the signal map of the seat suspension.
 
     Parameters
@@ -57,6 +57,30 @@ def seat_signals(shaker: str = "shaker") -> SignalMap:
     )
 
 
+def truck_signals(truck: str = TRUCK) -> SignalMap:
+    """Return the signal map of the seat in a truck, whose classes are roads at a speed, such as ``C60``.
+
+    Parameters
+    ----------
+    truck
+        Name of the component that is a TruckCab of this project.
+    """
+    return replace(
+        seat_signals(truck),
+        excitation={f"{truck}.road.profile": "iso8608"},
+        excitation_class=f"{truck}.road.class",
+        seed=f"{truck}.road.seed",
+        speed=f"{truck}.speed",
+        sine={},
+        sine_frequency=None,
+        sine_amplitude=None,
+    )
+
+
+SIGNALS = {SHAKER: seat_signals, TRUCK: truck_signals}
+"""What moves the floor to the signal map of the suspension on it."""
+
+
 def installed(system: Structure, installation: Installation) -> dict[str, Value]:
     """Return the parameters that give a seat the travel and the end stops of a test.
 
@@ -79,29 +103,31 @@ def installed(system: Structure, installation: Installation) -> dict[str, Value]
     return {_TRAVEL: installation.travel, _STIFFNESS: installation.stiffness, _DAMPING: installation.damping}
 
 
-def common_parameters(system: System, shaker: str = "shaker") -> dict[str, Value]:
+def common_parameters(system: System, component: str = SHAKER, floor: str = SHAKER) -> dict[str, Value]:
     """Return the parameters of a system that belong to the test, not to its seat: floor, driver, travel, end stops.
 
     Parameters
     ----------
     system
         The system that is tested; parameters of other FMUs than ours are the seat's.
-    shaker
-        Name of its Shaker.
+    component
+        Name of what moves its floor.
+    floor
+        What that is, a key of :data:`seat_cosim.scenarios.FLOORS`.
 
     Returns
     -------
     dict
         Names in the seat suspension, as ``component.variable``, to values.
     """
-    shaken = shaker in components_of(system, FMUS["shaker"])
+    shaken = component in components_of(system, FLOORS[floor])
     seated = "seat" in components_of(system, FMUS["seat"])
     found = {}
     for name, value in system.parameters.items():
-        component, _, variable = name.partition(".")
-        if component == shaker and shaken:
-            found[f"shaker.{variable}"] = value
-        elif component == "seat" and seated and variable.startswith(_OF_THE_TEST):
+        owner, _, variable = name.partition(".")
+        if owner == component and shaken:
+            found[f"{floor}.{variable}"] = value
+        elif owner == "seat" and seated and variable.startswith(_OF_THE_TEST):
             found[name] = value
     return found
 
@@ -122,6 +148,7 @@ def passive_seat(
     parameters: Mapping[str, Value],
     common: Mapping[str, Value] | None = None,
     measured: Mapping[str, str] | None = None,
+    signals: SignalMap | None = None,
 ) -> EvaluatedSystem:
     """Switch a seat suspension's controller off and return it as an evaluated system.
 
@@ -135,8 +162,10 @@ def passive_seat(
         Parameters of the test, from :func:`installed` and :func:`common_parameters`; they win.
     measured
         Outputs at which the test measures accelerations: fields of the signal map to their names.
+    signals
+        Signal map of the suspension; that of one on a shaker where None.
     """
     system.parameters |= {**control(False), **parameters, **(common or {})}
     places: dict[str, Any] = dict(measured or {})
-    signals = replace(seat_signals(), actuator_force=None, force_limit=None, **places)
+    signals = replace(signals or seat_signals(), actuator_force=None, force_limit=None, **places)
     return EvaluatedSystem("passive seat", system, signals, is_passive=True)
