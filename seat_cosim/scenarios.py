@@ -16,6 +16,7 @@ from cosim.ssp import read_parameters
 from cosim.system import System
 from fmus import FLAVOURS
 from plant_models import parameter_sets
+from plant_models.truck.interface import RoadClass
 
 KMH = 3.6
 """Kilometres per hour in a metre per second."""
@@ -66,15 +67,21 @@ class Scenario:
         In s.
     floor
         Component that moves the floor, a key of :data:`FLOORS`.
+    is_random
+        Whether the motion is random, of which a figure shows a part: curves of a minute are a block of colour.
     """
 
     description: str
     parameters: Mapping[str, Value]
     stop_time: float
     floor: str = SHAKER
+    is_random: bool = False
 
 
-ROAD, SPEED = "C", 60.0
+ROADS = tuple(RoadClass.__members__)
+"""Classes of roads in ISO 8608."""
+
+ROAD, SPEED = RoadClass.C.name, 60.0
 """Class of the road, and speed in km/h, that a truck has by default."""
 
 
@@ -95,9 +102,9 @@ SCENARIOS: dict[str, Scenario] = {
     "bump": Scenario("the paper's bump (34), met at t = 0", {"shaker.profile": "bump"}, 3.0),
     "sine": Scenario("a sine of the floor, 3 Hz and 6 mm by default", {"shaker.profile": "sine"}, 5.0),
     "sweep": Scenario("a logarithmic sweep, 0.5 to 20 Hz at 1 m/s2 by default", {"shaker.profile": "sweep"}, 60.0),
-    "random": Scenario("random motion of an ISO 7096 class, EM1 by default", {"shaker.profile": "random"}, 60.0),
+    "random": Scenario("random motion of an ISO 7096 class, EM1 by default", {"shaker.profile": "random"}, 60.0, is_random=True),
     "file": Scenario("a recording, the FMU's example by default", {"shaker.profile": "file"}, 10.0),
-    "truck": Scenario("a truck's cab, 60 km/h on a road of class C by default", road(ROAD, SPEED), 60.0, TRUCK),
+    "truck": Scenario("a truck's cab, 60 km/h on a road of class C by default", road(ROAD, SPEED), 60.0, TRUCK, is_random=True),
 }
 """Name of a scenario to what it is."""
 

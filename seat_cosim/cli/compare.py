@@ -69,7 +69,7 @@ def compare(
             report(ride.variant.title)
             ridden.append(ride)
         with writing_to(folder):
-            comparison.draw_comparison(folder / "comparison.png", f"Seat suspension, {scenario}", ridden)
+            comparison.draw_comparison(folder / "comparison.png", scenario, ridden)
     write_command(folder / EVALUATION, command_line())
     for ride in ridden:
         print_warnings(

@@ -209,7 +209,7 @@ def evaluate(
 
 def _protocol(floor: str, protocol: str, **given: Any) -> Protocol:
     """Make the protocol of the options that are given."""
-    from seat_cosim.evaluation.protocol import ISO_7096, PROTOCOLS, ROADS
+    from seat_cosim.evaluation.protocol import ISO_7096, PROTOCOLS, ROAD_CLASSES
 
     for name, kind, what in (("classes", str, "names"), ("masses", float, "numbers"), ("seeds", int, "whole numbers")):
         if given[name] is not None:
@@ -219,7 +219,7 @@ def _protocol(floor: str, protocol: str, **given: Any) -> Protocol:
     if floor == TRUCK:
         if protocol == ISO_7096:
             raise SetupError(f"--protocol {protocol} with --profile roads: expected one of them, got both")
-        given["classes"] = tuple(str(Road.of(name)) for name in given["classes"] or ROADS)
+        given["classes"] = tuple(str(Road.of(name)) for name in given["classes"] or ROAD_CLASSES)
     return PROTOCOLS[protocol](**{name: value for name, value in given.items() if value is not None})
 
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from cosim.errors import SetupError
-from plant_models.truck.interface import RoadClass
 from seat_cosim.evaluation.inputs import INPUTS
 from seat_cosim.evaluation.system import Road
+from seat_cosim.scenarios import ROADS
 
 MAX_SPREAD = 0.05
 """Largest deviation of a test run's SEAT from the mean of the runs, as a share of the mean (ISO 10326-1)."""
@@ -24,7 +24,7 @@ REALIZATIONS = 3
 CLASSES = tuple(name for name, each in INPUTS.items() if each.standard == "ISO 7096")
 """Classes of ISO 7096."""
 
-ROADS = tuple(str(Road(name, speed)) for name in RoadClass.__members__ for speed in (30.0, 60.0, 90.0))
+ROAD_CLASSES = tuple(str(Road(name, speed)) for name in ROADS for speed in (30.0, 60.0, 90.0))
 """Roads of ISO 8608 at speeds in km/h."""
 
 LIGHT, HEAVY = (52.0, 55.0), (98.0, 103.0)
