@@ -102,9 +102,13 @@ SCENARIOS: dict[str, Scenario] = {
     "bump": Scenario("the paper's bump (34), met at t = 0", {"shaker.profile": "bump"}, 3.0),
     "sine": Scenario("a sine of the floor, 3 Hz and 6 mm by default", {"shaker.profile": "sine"}, 5.0),
     "sweep": Scenario("a logarithmic sweep, 0.5 to 20 Hz at 1 m/s2 by default", {"shaker.profile": "sweep"}, 60.0),
-    "random": Scenario("random motion of an ISO 7096 class, EM1 by default", {"shaker.profile": "random"}, 60.0, is_random=True),
+    "random": Scenario(
+        "random motion of an ISO 7096 class, EM1 by default", {"shaker.profile": "random"}, 60.0, is_random=True
+    ),
     "file": Scenario("a recording, the FMU's example by default", {"shaker.profile": "file"}, 10.0),
-    "truck": Scenario("a truck's cab, 60 km/h on a road of class C by default", road(ROAD, SPEED), 60.0, TRUCK, is_random=True),
+    "truck": Scenario(
+        "a truck's cab, 60 km/h on a road of class C by default", road(ROAD, SPEED), 60.0, TRUCK, is_random=True
+    ),
 }
 """Name of a scenario to what it is."""
 

@@ -22,11 +22,11 @@ from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.folders import choose_folder, force_option
 from seat_cosim.cli.options import check_run_options, run_options, settings
 from seat_cosim.cli.outcome import OVERVIEW, Outcome, OutputOptions, figure_option, output_options, print_run
-from seat_cosim.cli.reading_options import RECORDING, ReadingOptions, play, read_recording, recording_options
+from seat_cosim.cli.reading_options import RECORDING, ReadingOptions, play, read_scenario, recording_options
 from seat_cosim.cli.seat_options import OPTIONS, SeatOptions, seat_options
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained, notes_after, notes_before
-from seat_cosim.scenarios import ROAD, ROADS, SCENARIOS, SPEED, TRUCK, Scenario, control, road
+from seat_cosim.scenarios import ROAD, ROADS, SCENARIOS, SHAKER, SPEED, TRUCK, Scenario, control, road
 
 if TYPE_CHECKING:
     from seat_cosim.ride_summary import RideSummary
@@ -90,9 +90,7 @@ def run(
     check_run_options(how)
     if seat.control == "passive":
         refuse_without_effect(["compare"], "--control passive", "the ride is that of the passive seat already")
-    if recording_file is not None and scenario != "file":
-        raise SetupError(f"--recording {recording_file}: expected with the scenario file, got {scenario}")
-    floor = read_recording(recording_file, channel, reading)
+    floor = read_scenario(scenario, recording_file, channel, reading)
     chosen = _scenario(scenario, road_class, speed)
     system = seat.system(chosen.floor)
     if stop_time is None:
@@ -102,7 +100,7 @@ def run(
     notes = [*([] if floor is None else floor.notes), *notes_before(system, parameters, step_size, stop_time)]
     folder = choose_folder(output, Path("results", "run", scenario), command_line(), force=force)
     if floor is not None:
-        parameters |= play("shaker", folder / RECORDING, parameters)
+        parameters |= play(SHAKER, folder / RECORDING, parameters)
     with progress_shown(f"running {scenario}") as report:
         options = RunOptions(
             stop_time, step_size, parameters, progress=lambda time: report(f"{time:.1f} of {stop_time:g} s"), **how
