@@ -14,6 +14,7 @@ typedef struct {
     double seat_displacement, driver_displacement;                     /* z_s, z_b in m */
     double friction_force;                                             /* f_r (35) in N, acts on the seat as -f_r */
     double seat_acceleration_measured, suspension_deflection_measured; /* in m/s2, m */
+    double floor_force;                                                /* of the seat on the floor, in N */
 } seat_plant_outputs;
 
 /* Floor inputs that are used; the others are derived from them. */

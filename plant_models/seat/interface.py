@@ -27,6 +27,10 @@ _FORCE_BALANCE = (
 )
 """Variables on which the acceleration of the seat depends at rest."""
 
+_REACTION = tuple(name for name in _FORCE_BALANCE if name != "seat_mass")
+"""Variables on which the forces of the suspension depend at rest; the acceleration of the floor is none of them, so a
+vehicle that is accelerated by the force forms no algebraic loop with the seat."""
+
 
 MAX_DELAY = 0.2
 """Longest delay of the actuator, in s, see :mod:`plant_models.seat.actuator`."""
@@ -75,6 +79,8 @@ class Outputs:
         f_r (35), in N; acts on the seat as -f_r.
     seat_acceleration_measured, suspension_deflection_measured
         Measurements of the two sensors, in m/s2 and m.
+    floor_force
+        Force of the seat on the cabin floor, -(m_s z_s'' + m_b z_b''), in N, without its static weight.
     """
 
     seat_acceleration: float = output(
@@ -116,6 +122,13 @@ class Outputs:
             "sensor.deflection_resolution",
             "sensor.seed",
         ],
+    )
+    floor_force: float = output(
+        "N",
+        "Force of the seat on the cabin floor, up positive, without static weight: -(m_s z_s'' + m_b z_b'')",
+        nominal=100.0,
+        dependencies=_REACTION,
+        added=True,
     )
 
 

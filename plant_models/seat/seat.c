@@ -37,19 +37,25 @@ static double contact_side(double deflection, const coefficients_t *c)
     return fabs(position) <= c->x_e ? 0.0 : position > 0.0 ? 1.0 : -1.0;
 }
 
-/* Return the part of z_s'' that an end stop causes, in m/s2; like rubber, it never pulls. */
-static double end_stop_acceleration(double deflection, double rate, double side, const coefficients_t *c)
+/* Return the force of an end stop on the seat in N, up positive; like rubber, it never pulls. */
+static double end_stop_force(double deflection, double rate, double side, const coefficients_t *c)
 {
     const double depth = side * (deflection + c->x_m) - c->x_e;
     const double push = c->k_e * depth + c->c_e * side * rate;
-    return -side * (push > 0.0 ? push : 0.0) * c->per_m_s;
+    return -side * (push > 0.0 ? push : 0.0);
+}
+
+/* Return the force of spring, damper and friction on the seat in N, up positive. */
+static double suspension_force(double deflection, double rate, double z_d, const coefficients_t *c)
+{
+    return -c->k_f * deflection - c->c_f * rate - c->alpha * z_d;
 }
 
 /* Solve (1) for z_s'' in m/s2, without end stops. */
 static double seat_acceleration(double deflection, double rate, double cushion_deflection, double cushion_rate,
                                 double z_d, double force, const coefficients_t *c)
 {
-    const double suspension = -c->k_f * deflection - c->c_f * rate - c->alpha * z_d;
+    const double suspension = suspension_force(deflection, rate, z_d, c);
     return (suspension + c->k_c * cushion_deflection + c->c_c * cushion_rate + force) * c->per_m_s;
 }
 
@@ -75,7 +81,7 @@ static accelerations slope(double z_s, double v_s, double z_b, double v_b, doubl
     accelerations a;
     a.seat = seat_acceleration(x, v, cushion_deflection, cushion_rate, z_d_stage, force, c);
     if (side != 0.0) {
-        a.seat += end_stop_acceleration(x, v, side, c);
+        a.seat += end_stop_force(x, v, side, c) * c->per_m_s;
     }
     a.driver = driver_acceleration(cushion_deflection, cushion_rate, c);
     return a;
@@ -128,9 +134,12 @@ static inline void evaluate_outputs(const masses_t *masses, const floor_motion *
     const double cushion_rate = masses->driver_velocity - masses->seat_velocity;
     outputs->seat_acceleration =
         seat_acceleration(deflection, rate, cushion_deflection, cushion_rate, masses->friction, force, c);
+    outputs->floor_force = -suspension_force(deflection, rate, masses->friction, c) - force;
     const double side = contact_side(deflection, c);
     if (side != 0.0) {
-        outputs->seat_acceleration += end_stop_acceleration(deflection, rate, side, c);
+        const double end_stop = end_stop_force(deflection, rate, side, c);
+        outputs->seat_acceleration += end_stop * c->per_m_s;
+        outputs->floor_force -= end_stop;
     }
     outputs->suspension_deflection = deflection;
     outputs->deflection_rate = rate;

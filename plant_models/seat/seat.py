@@ -156,10 +156,15 @@ def _contact_side(deflection: float, c: Coefficients) -> float:
     return 0.0 if abs(position) <= c.x_e else math.copysign(1.0, position)
 
 
-def _end_stop_acceleration(deflection: float, rate: float, side: float, c: Coefficients) -> float:
-    """Return the part of z_s'' that an end stop causes, in m/s2."""
+def _end_stop_force(deflection: float, rate: float, side: float, c: Coefficients) -> float:
+    """Return the force of an end stop on the seat in N, up positive."""
     depth = side * (deflection + c.x_m) - c.x_e
-    return -side * max(0.0, c.k_e * depth + c.c_e * side * rate) * c.per_m_s
+    return -side * max(0.0, c.k_e * depth + c.c_e * side * rate)
+
+
+def _suspension_force(deflection: float, rate: float, z_d: float, c: Coefficients) -> float:
+    """Return the force of spring, damper and friction on the seat in N, up positive."""
+    return -c.k_f * deflection - c.c_f * rate - c.alpha * z_d
 
 
 def _seat_acceleration(
@@ -172,7 +177,7 @@ def _seat_acceleration(
     c: Coefficients,
 ) -> float:
     """Solve (1) for z_s'' in m/s2, without end stops."""
-    suspension = -c.k_f * deflection - c.c_f * rate - c.alpha * z_d
+    suspension = _suspension_force(deflection, rate, z_d, c)
     return (suspension + c.k_c * cushion_deflection + c.c_c * cushion_rate + force) * c.per_m_s
 
 
@@ -199,7 +204,7 @@ def _substep(
         cushion_deflection, cushion_rate = z_b - z_s, v_b - v_s
         acceleration = _seat_acceleration(x, v, cushion_deflection, cushion_rate, z_d_stage, force, c)
         if side != 0.0:
-            acceleration += _end_stop_acceleration(x, v, side, c)
+            acceleration += _end_stop_force(x, v, side, c) * c.per_m_s
         return acceleration, _driver_acceleration(cushion_deflection, cushion_rate, c)
 
     half = 0.5 * h
@@ -235,8 +240,11 @@ def _evaluate_outputs(masses: Masses, motion: FloorMotion, force: float, tau: fl
     rate = v_s - motion.velocity_at(tau)
     cushion_deflection, cushion_rate = z_b - z_s, v_b - v_s
     acceleration = _seat_acceleration(deflection, rate, cushion_deflection, cushion_rate, z_d, force, c)
+    floor_force = -_suspension_force(deflection, rate, z_d, c) - force
     if side := _contact_side(deflection, c):
-        acceleration += _end_stop_acceleration(deflection, rate, side, c)
+        end_stop = _end_stop_force(deflection, rate, side, c)
+        acceleration += end_stop * c.per_m_s
+        floor_force -= end_stop
     return Outputs(
         seat_acceleration=acceleration,
         suspension_deflection=deflection,
@@ -245,6 +253,7 @@ def _evaluate_outputs(masses: Masses, motion: FloorMotion, force: float, tau: fl
         seat_displacement=z_s,
         driver_displacement=z_b,
         friction_force=c.alpha * z_d,  # (35)
+        floor_force=floor_force,
     )
 
 
