@@ -18,7 +18,7 @@ from cosim.fmi.values import Value
 from cosim.results.result import Result
 from cosim.units import GRAVITY, IDENTITY
 from fmus.component import ParameterError
-from plant_models.shaker.recording import read
+from plant_models.recording import read
 from seat_controller_fmu.parameters import SAMPLE_TIME
 from seat_cosim.scenarios import driver_mass
 
@@ -139,7 +139,7 @@ def _recording_notes(system: Structure, parameters: Mapping[str, Value], stop_ti
         ):
             with suppress(ParameterError):  # the FMU says why it cannot be used
                 yield from recording_notes(str(path))
-                end = read(str(path)).times[-1]
+                end = read(str(path)).axis[-1]
                 if stop_time is not None and stop_time > end * (1.0 + 1e-6):
                     yield (
                         f"{path}: the recording ends at {end:g} s, the run at {stop_time:g} s, and the numbers count "
@@ -167,7 +167,7 @@ def recording_notes(path: str) -> Iterator[str]:
     """
     recording = read(path)
     values = np.array(recording.values)
-    step = float(np.median(np.diff(recording.times)))
+    step = float(np.median(np.diff(recording.axis)))
     if step > 1.0 / MIN_RATE:
         yield (
             f"{path}: a row every {step:g} s cannot hold a ride, which takes at least {MIN_RATE:g} rows per second: "
