@@ -10,7 +10,15 @@ import pytest
 
 from tests.helpers.paths import ROOT
 
-FOLDERS = ("fmus", "fmus/native", "plant_models", "plant_models/seat", "plant_models/shaker", "src/seat_controller_fmu")
+FOLDERS = (
+    "fmus",
+    "fmus/native",
+    "plant_models",
+    "plant_models/seat",
+    "plant_models/shaker",
+    "plant_models/truck",
+    "src/seat_controller_fmu",
+)
 """Folders of the C code; an FMU has the files of several of them in one folder."""
 
 GENERATED = {"model.h", "defaults.h"}
@@ -29,9 +37,12 @@ HELPERS = {
     "random_numbers",
     "recording",
     "replay",
+    "road",
     "sensors",
+    "smooth_step",
+    "vehicle",
 }
-MODELS = {"seat.h", "shaker.h"}
+MODELS = {"seat.h", "shaker.h", "truck.h"}
 
 FILES = sorted(path for folder in FOLDERS for suffix in ("*.c", "*.h") for path in (ROOT / folder).glob(suffix))
 

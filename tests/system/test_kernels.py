@@ -19,6 +19,7 @@ from fmus.export.native_fmu import STANDARDS, source_files
 from fmus.export.sources import kernel_files
 from fmus.variables import VariableDeclaration
 from plant_models.seat.actuator import DELAY_LINE_CAPACITY
+from plant_models.truck.road import CELLS_PER_METRE
 from seat_cosim.components import COMPONENTS
 from tests.helpers.paths import ROOT
 
@@ -149,6 +150,14 @@ STATE_SCALES = {
         "actuator.force": 100.0,
     },
     "Shaker": {"modes": 0.1, "platform_displacement": 0.02, "platform_velocity": 0.3, "platform_acceleration": 1.0},
+    "TruckCab": {
+        "front.begin": 0.03,
+        "front.end": 0.03,
+        "rear.begin": 0.03,
+        "rear.end": 0.03,
+        "displacements": 0.03,
+        "velocities": 0.3,
+    },
 }
 
 
@@ -192,6 +201,14 @@ def delay_lines(times: np.ndarray, random: np.random.Generator) -> list[np.ndarr
     return list(lines.T)
 
 
+def cells(axle: str, times: np.ndarray, values: np.ndarray, names: list[str]) -> np.ndarray:
+    """Number of the cell of a random road under an axle of a truck that has started at time 0."""
+    distances = values[:, names.index("speed")] * times
+    if axle == "rear":
+        distances = distances - values[:, names.index("chassis.wheelbase")]
+    return np.maximum(np.floor(distances * CELLS_PER_METRE), -1.0)
+
+
 def random_states(
     component: Component, times: np.ndarray, values: np.ndarray, random: np.random.Generator
 ) -> np.ndarray:
@@ -218,6 +235,10 @@ def random_states(
             columns.append(random.choice([-1.0, 0.0, 1.0], len(times)))
         elif field in COUNTERS:
             columns.append(random.integers(0, COUNTERS[field], len(times), endpoint=True).astype(float))
+        elif field == "start":
+            columns.append(np.zeros(len(times)))
+        elif field.endswith(".cell"):
+            columns.append(cells(field.removesuffix(".cell"), times, values, names))
         elif field == "tick":
             columns.append(np.floor((times + 1e-9) / 0.002))
         elif kind is bool:

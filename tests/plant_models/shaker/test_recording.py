@@ -14,10 +14,10 @@ import pytest
 from cosim import RunError, System
 from fmus.component import ParameterError
 from fmus.export.native_fmu import STANDARDS, source_files
+from plant_models.recording import MAX_LINE_SIZE, MAX_ROWS, MIN_ROWS, read
 from plant_models.shaker.example_recording import acceleration, example
 from plant_models.shaker.interface import Outputs
 from plant_models.shaker.profiles import bump
-from plant_models.shaker.recording import MAX_LINE_SIZE, MAX_ROWS, MIN_ROWS, read
 from plant_models.shaker.replay import Spline, load, motion
 from plant_models.shaker.shaker import SHAKER
 from tests.helpers.paths import NATIVE, ROOT
@@ -185,7 +185,11 @@ def in_c(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[str]]:
     if shutil.which("gcc") is None:
         pytest.skip("gcc is not installed")
     program = tmp_path_factory.mktemp("recordings") / "recordings"
-    sources = [f"plant_models/shaker/{name}.c" for name in ("recording", "replay", "profiles")]
+    sources = [
+        "plant_models/recording.c",
+        "plant_models/smooth_step.c",
+        *(f"plant_models/shaker/{name}.c" for name in ("replay", "profiles")),
+    ]
     options = [
         "-std=c99",
         "-O1",

@@ -19,7 +19,7 @@ from cosim.fmi.description import ModelDescription
 from cosim.manifest import Manifest
 from cosim.results import formats
 from fmus.component import ParameterError, state_fields
-from plant_models.shaker.recording import read
+from plant_models.recording import read
 from seat_controller_fmu.controller import SEAT_CONTROLLER
 from seat_controller_fmu.design import gains
 from seat_cosim.scenarios import seat_suspension
