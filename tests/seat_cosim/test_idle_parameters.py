@@ -11,14 +11,16 @@ from cosim.engine.session import Session
 from cosim.errors import SetupError
 from cosim.system import System
 from plant_models.shaker.interface import Profile
+from plant_models.truck.interface import Profile as RoadProfile
 from seat_controller_fmu.interface import Mode
 from seat_cosim.idle_parameters import refuse_idle
-from seat_cosim.scenarios import seat_suspension
+from seat_cosim.scenarios import TRUCK, seat_suspension
 from tests.helpers.shell import Shell
 
 CHOICES = [
     *({"controller.mode": mode.name} for mode in Mode),
     *({"shaker.profile": profile.name} for profile in Profile),
+    *({"truck.road.profile": profile.name} for profile in RoadProfile),
 ]
 
 
@@ -28,9 +30,11 @@ def seat(native: Path) -> System:
 
 
 @pytest.fixture(scope="module")
-def session(seat: System) -> Iterator[Session]:
-    with seat.open() as opened:
-        yield opened
+def sessions(seat: System, native: Path) -> Iterator[dict[str, tuple[System, Session]]]:
+    """Components to a system that has them, and its session."""
+    driven = seat_suspension(native / "fmi2", TRUCK)
+    with seat.open() as shaken, driven.open() as on_road:
+        yield {"controller": (seat, shaken), "shaker": (seat, shaken), "truck": (driven, on_road)}
 
 
 def is_idle(name: str, system: System, choice: dict[str, str]) -> bool:
@@ -56,15 +60,16 @@ def changed(system: System, name: str) -> object:
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: "".join(choice.values()))
-def test_what_is_refused_has_no_effect(seat: System, session: Session, choice: dict[str, str]):
+def test_what_is_refused_has_no_effect(sessions: dict[str, tuple[System, Session]], choice: dict[str, str]):
     component = next(iter(choice)).partition(".")[0]
+    seat, session = sessions[component]
     names = [
         f"{component}.{name}"
         for name, variable in seat.models[component].variables.items()
         if variable.causality == "parameter" and variable.type != "String"
     ]
     idle = [name for name in names if is_idle(name, seat, choice)]
-    assert len(idle) > 8
+    assert len(idle) > (2 if component == TRUCK else 8)
 
     recorded = [name for name in seat.outputs() if name != "controller.friction_estimate"]  # repeats its parameter
 
