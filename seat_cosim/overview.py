@@ -11,7 +11,7 @@ import numpy as np
 from cosim.results.result import Result
 from cosim.system import System
 from seat_cosim.plotting import Curve, Panel, by_unit, draw, literal
-from seat_cosim.scenarios import FMUS, OVERVIEW, SCENARIOS
+from seat_cosim.scenarios import FMUS, OVERVIEW, SCENARIOS, floor_of, overview
 
 DRIVER = OVERVIEW["Acceleration"][0]
 """The driver's acceleration."""
@@ -34,7 +34,7 @@ def draw_scenario(path: Path, scenario: str, system: System, result: Result) -> 
     system
         The seat suspension.
     result
-        Result with all outputs of :data:`seat_cosim.scenarios.OVERVIEW`.
+        Result with all outputs of :func:`seat_cosim.scenarios.overview`.
     """
     title, part = f"Seat suspension, {scenario}", slice(None)
     if SCENARIOS[scenario].is_random:
@@ -85,7 +85,7 @@ def _is_ours(system: System, name: str) -> bool:
 def _panels(system: System, result: Result, part: slice = slice(None)) -> list[Panel]:
     """Return the main signals of the seat suspension that a result has, earlier curves above later ones."""
     panels = []
-    for label, signals in OVERVIEW.items():
+    for label, signals in overview(floor_of(system.models)).items():
         curves = [
             Curve(signal, result[signal][part], {"zorder": 3.0 - 0.1 * i})
             for i, signal in enumerate(signals)

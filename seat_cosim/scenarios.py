@@ -5,7 +5,7 @@ Only this module, :mod:`seat_cosim.evaluation.seat` and :mod:`seat_cosim.paper` 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -112,19 +112,29 @@ SCENARIOS: dict[str, Scenario] = {
 }
 """Name of a scenario to what it is."""
 
-OVERVIEW = {
-    "Acceleration": [
-        "seat.driver_acceleration",
-        "seat.seat_acceleration",
-        *(f"{floor}.floor_acceleration" for floor in FLOORS),
-    ],
-    "Displacement": ["seat.suspension_deflection", *(f"{floor}.floor_displacement" for floor in FLOORS)],
-    "Force": ["controller.force", "controller.disturbance_estimate", "seat.friction_force"],
-}
-"""Panels of a run's overview: quantity to its signals, which have one unit; the driver's first, on top.
 
-A system has those of one floor.
-"""
+def overview(floor: str = SHAKER) -> dict[str, list[str]]:
+    """Return the panels of a run's overview: quantity to its signals, which have one unit; the driver's first, on top.
+
+    Parameters
+    ----------
+    floor
+        Component that moves the floor.
+    """
+    return {
+        "Acceleration": ["seat.driver_acceleration", "seat.seat_acceleration", f"{floor}.floor_acceleration"],
+        "Displacement": ["seat.suspension_deflection", f"{floor}.floor_displacement"],
+        "Force": ["controller.force", "controller.disturbance_estimate", "seat.friction_force"],
+    }
+
+
+OVERVIEW = overview()
+"""Panels of the seat suspension on a shaker."""
+
+
+def floor_of(components: Container[str]) -> str:
+    """Return what moves the floor of a system with these components: the truck if it is among them, else a shaker."""
+    return TRUCK if TRUCK in components else SHAKER
 
 
 def seat_suspension(folder: Path, floor: str = SHAKER) -> System:
