@@ -2,7 +2,7 @@
 #ifndef FLOOR_H
 #define FLOOR_H
 
-#include "interface.h"
+#include "seat_interface.h"
 
 /* Second-order Taylor series about the begin of the step: z_v in m, z_v' in m/s, z_v'' in m/s2. */
 typedef struct {
@@ -27,6 +27,14 @@ static inline double floor_displacement_at(const floor_motion *motion, double ta
 static inline double floor_velocity_at(const floor_motion *motion, double tau)
 {
     return motion->velocity + tau * motion->acceleration;
+}
+
+/* Return the same motion about the time tau seconds after the begin of the step. */
+static inline floor_motion floor_from_time(const floor_motion *motion, double tau)
+{
+    const floor_motion later = {floor_displacement_at(motion, tau), floor_velocity_at(motion, tau),
+                                motion->acceleration};
+    return later;
 }
 
 /* Return the motion that the three floor inputs describe. */

@@ -51,6 +51,10 @@ class FloorMotion(NamedTuple):
         """Return z_v' in m/s at ``tau`` seconds after the begin of the step."""
         return self.velocity + tau * self.acceleration
 
+    def from_time(self, tau: float) -> FloorMotion:
+        """Return the same motion about the time ``tau`` seconds after the begin of the step."""
+        return FloorMotion(self.displacement_at(tau), self.velocity_at(tau), self.acceleration)
+
 
 class FloorHistory(NamedTuple):
     """State of a derived floor.
@@ -149,7 +153,7 @@ def derive_motion(
         sampled = node = _next_sample(history, inputs, signals)
         interval = age
     else:
-        sampled = FloorMotion(node.displacement_at(age), node.velocity_at(age), node.acceleration)
+        sampled = node.from_time(age)
     # the correction takes as long as the deviation took to arise: in a short step after a long one it would be a jump
     correction = (sampled.displacement - start) / max(step_size, age)
     motion = FloorMotion(start, sampled.velocity + correction, sampled.acceleration)

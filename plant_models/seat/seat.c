@@ -355,23 +355,35 @@ void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inp
     add_measurements(state, coefficients, time, outputs);
 }
 
+floor_motion seat_plant_begin_step(seat_plant_state *state, const seat_plant_inputs *inputs,
+                                   const seat_plant_coefficients *coefficients, double step_size)
+{
+    const int signals = coefficients->floor_signals;
+    return signals == SEAT_PLANT_ALL ? floor_motion_from_inputs(inputs)
+                                     : floor_derive_motion(&state->floor, inputs, signals, step_size);
+}
+
+void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force,
+                                 const seat_plant_coefficients *coefficients, double time, double step_size,
+                                 seat_plant_outputs *outputs)
+{
+    const double count = substep_count(step_size, coefficients);
+    actuator_command(&state->actuator, force, &coefficients->actuator, time);
+    if (coefficients->single_span && state->actuator.line_length == 0.0) {
+        state->actuator.force = state->actuator.target;
+        take_substeps(&state->masses, motion, 0.0, step_size / count, count, state->actuator.force,
+                      state->actuator.force, 0.0, coefficients);
+    } else {
+        integrate_spans(state, motion, time, step_size, coefficients);
+    }
+    evaluate_outputs(&state->masses, motion, state->actuator.force, step_size, coefficients, outputs);
+    add_measurements(state, coefficients, time + step_size, outputs);
+}
+
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
                         const seat_plant_coefficients *coefficients, double time, double step_size,
                         seat_plant_outputs *outputs)
 {
-    const int signals = coefficients->floor_signals;
-    const floor_motion motion = signals == SEAT_PLANT_ALL
-                                    ? floor_motion_from_inputs(inputs)
-                                    : floor_derive_motion(&state->floor, inputs, signals, step_size);
-    const double count = substep_count(step_size, coefficients);
-    actuator_command(&state->actuator, inputs->force, &coefficients->actuator, time);
-    if (coefficients->single_span && state->actuator.line_length == 0.0) {
-        state->actuator.force = state->actuator.target;
-        take_substeps(&state->masses, &motion, 0.0, step_size / count, count, state->actuator.force,
-                      state->actuator.force, 0.0, coefficients);
-    } else {
-        integrate_spans(state, &motion, time, step_size, coefficients);
-    }
-    evaluate_outputs(&state->masses, &motion, state->actuator.force, step_size, coefficients, outputs);
-    add_measurements(state, coefficients, time + step_size, outputs);
+    const floor_motion motion = seat_plant_begin_step(state, inputs, coefficients, step_size);
+    seat_plant_advance_on_floor(state, &motion, inputs->force, coefficients, time, step_size, outputs);
 }
