@@ -49,9 +49,6 @@ _LOOP = {
 }
 """Connections of controller and seat."""
 
-_REACTION = {f"{TRUCK}.seat_force": "seat.floor_force"}
-"""What a seat does to a floor that gives way."""
-
 
 @dataclass(frozen=True)
 class Scenario:
@@ -157,21 +154,59 @@ def seat_suspension(folder: Path, floor: str = SHAKER) -> System:
         If one of the FMUs does not exist.
     """
     order = ("controller", "seat", floor)
-    missing = [FMUS[name] for name in reversed(order) if not (folder / f"{FMUS[name]}.fmu").is_file()]
+    system = _system({name: FMUS[name] for name in reversed(order)}, folder)
+    system.name = SYSTEM_NAMES[floor]
+    _connect(system, floor)
+    for sink, source in _LOOP.items():
+        system.connect(source, sink)
+    system.order = order
+    return system
+
+
+def seat_block(folder: Path, fmu: str, floor: str = SHAKER) -> System:
+    """Return the system of a floor and a seat that is one block, connected.
+
+    Parameters
+    ----------
+    folder
+        Folder of the FMUs.
+    fmu
+        ``ActiveSeat``, ``PassiveSeat`` or ``SemiActiveSeat``, or another FMU with their ports.
+    floor
+        Component that moves the floor, a key of :data:`FLOORS`.
+
+    Raises
+    ------
+    SetupError
+        If one of the FMUs does not exist.
+    """
+    system = _system({floor: FLOORS[floor], "seat": fmu}, folder)
+    system.name = fmu
+    _connect(system, floor)
+    system.order = ("seat", floor)
+    return system
+
+
+def _system(fmus: Mapping[str, str], folder: Path) -> System:
+    """Return a system of FMUs, without connections; raises SetupError with those that are missing."""
+    missing = [fmu for fmu in fmus.values() if not (folder / f"{fmu}.fmu").is_file()]
     if missing:
         raise SetupError(
             f"{folder}: expected {', '.join(f'{fmu}.fmu' for fmu in missing)}, got no such file; "
             f"run: seat-cosim build{f' --flavour {folder.name}' if folder.name in FLAVOURS else ''}"
         )
     system = System()
-    system.name = SYSTEM_NAMES[floor]
-    for name in reversed(order):
-        system.add(name, folder / f"{FMUS[name]}.fmu")
-    motion = {f"seat.{signal}": f"{floor}.{signal}" for signal in FLOOR_SIGNALS}
-    for sink, source in {**motion, **_LOOP, **(_REACTION if floor == TRUCK else {})}.items():
-        system.connect(source, sink)
-    system.order = order
+    for name, fmu in fmus.items():
+        system.add(name, folder / f"{fmu}.fmu")
     return system
+
+
+def _connect(system: System, floor: str) -> None:
+    """Connect the motion of a floor to the seat, and the force of the seat to a floor that gives way."""
+    for signal in FLOOR_SIGNALS:
+        system.connect(f"{floor}.{signal}", f"seat.{signal}")
+    if floor == TRUCK:
+        system.connect("seat.floor_force", f"{TRUCK}.seat_force")
 
 
 def components_of(system: Structure, model: str) -> list[str]:

@@ -13,7 +13,7 @@ from rich.table import Table
 from cosim.engine.editing import edit
 from cosim.errors import SetupError
 from cosim.system import System
-from seat_cosim.carried import system_file
+from seat_cosim import carried
 from seat_cosim.cli.console import command_line, console, print_warnings, progress_shown
 from seat_cosim.cli.folders import EVALUATION, choose_folder, force_option
 from seat_cosim.cli.options import listed, replace_option, replacements, settings
@@ -26,11 +26,12 @@ from seat_cosim.evaluation.seat import (
     installed,
     passive_seat,
     seat_signals,
+    semi_active_seat,
 )
 from seat_cosim.evaluation.system import EvaluatedSystem, Road
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained
-from seat_cosim.scenarios import SHAKER, TRUCK, read_parameter_sets
+from seat_cosim.scenarios import SHAKER, TRUCK, read_parameter_sets, seat_block
 
 if TYPE_CHECKING:  # the metrics take long to load
     from seat_cosim.evaluation.protocol import Protocol
@@ -153,7 +154,7 @@ def evaluate(
     floor = TRUCK if profile == "roads" else SHAKER
     protocol = _protocol(floor, **given)
     installation = Installation.of(travel) if travel else Installation()
-    file = system_file(file) if file else None
+    file = carried.system_file(file) if file else None
     system = System.load(file) if file else seat.system(floor)
     edit(system, replacements(replace), (), ())
     fixture = installed(system, installation)
@@ -180,6 +181,9 @@ def evaluate(
             SIGNALS[floor](),
         ),
     ]
+    if floor == TRUCK:
+        block = seat_block(carried.fmu_folder(seat.flavour, seat.fmus_folder), "SemiActiveSeat", floor)
+        systems.insert(1, semi_active_seat(block, common, floor))
     default = Path("results", "evaluate", file.stem if file else system.name)
     folder = choose_folder(output, default, command_line(), force=force, marker=EVALUATION)
     notes = [f"Installation of both seats: {_words(installation, systems)}.", *protocol_notes(protocol)]

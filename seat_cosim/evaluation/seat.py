@@ -132,6 +132,37 @@ def common_parameters(system: System, component: str = SHAKER, floor: str = SHAK
     return found
 
 
+def semi_active_seat(system: System, common: Mapping[str, Value], floor: str) -> EvaluatedSystem:
+    """Return the semi-active seat as an evaluated system.
+
+    Parameters
+    ----------
+    system
+        From :func:`seat_cosim.scenarios.seat_block`; its parameters are changed.
+    common
+        Parameters of the test, from :func:`installed` and :func:`common_parameters`, by their names in the seat
+        suspension.
+    floor
+        What moves the floor, a key of :data:`seat_cosim.scenarios.FLOORS`.
+    """
+
+    def in_block(name: str) -> str:
+        return f"seat.{name}" if name.startswith("seat.") else name
+
+    system.parameters |= {in_block(name): value for name, value in common.items()}
+    ours = SIGNALS[floor]()
+    signals = replace(
+        ours,
+        driver_mass=(in_block("seat.driver_mass"),),
+        actuator_force=None,
+        force_limit=None,
+        end_stop_travel=in_block(_TRAVEL),
+        end_stop_height=in_block("seat.end_stop.height"),
+        noise_seed=in_block("seat.sensor.seed"),
+    )
+    return EvaluatedSystem("semi-active seat", system, signals, has_actuator=False)
+
+
 def inert_load(system: System) -> dict[str, Value]:
     """Return the parameters that strap the load to a seat, without a cushion between; none for other seats than ours.
 
@@ -168,4 +199,4 @@ def passive_seat(
     system.parameters |= {**control(False), **parameters, **(common or {})}
     places: dict[str, Any] = dict(measured or {})
     signals = replace(signals or seat_signals(), actuator_force=None, force_limit=None, **places)
-    return EvaluatedSystem("passive seat", system, signals, is_passive=True)
+    return EvaluatedSystem("passive seat", system, signals, is_passive=True, has_actuator=False)

@@ -242,8 +242,9 @@ class EvaluatedSystem:
         Travel of the test in m, to each side, within which a system without end stops of its own must stay; None for
         unlimited travel.
     is_passive
-        Whether it has no actuator by construction: it is judged without criteria of the force, and others are compared
-        with it.
+        Whether it is the passive seat, with which others are compared.
+    has_actuator
+        Whether it has one: without, there are no criteria of the force.
     """
 
     title: str
@@ -251,6 +252,7 @@ class EvaluatedSystem:
     signals: SignalMap
     test_travel: float | None = None
     is_passive: bool = False
+    has_actuator: bool = True
 
     @property
     def end_stop_travel(self) -> float | None:
