@@ -95,7 +95,8 @@ const char *seat_controller_prepare(const seat_controller_parameters *parameters
 const char *seat_controller_warning(const seat_controller_parameters *parameters)
 {
     const seat_controller_parameters *p = parameters;
-    if (p->driver_mass_min <= p->driver_mass && p->driver_mass <= p->driver_mass_max) {
+    const int within = p->driver_mass_min <= p->driver_mass && p->driver_mass <= p->driver_mass_max;
+    if (within || p->mode == SEAT_CONTROLLER_ROBUST) {
         return NULL;
     }
     return "driver_mass lies outside [driver_mass_min, driver_mass_max]: the gains of the nearer end are used";

@@ -338,7 +338,7 @@ def advance(
 
 
 def warnings(parameters: Parameters) -> list[str]:
-    """Warn of a driver's mass outside the range of the gains, where the scheduling is clamped.
+    """Warn of a driver's mass outside the range of the gains, where the scheduling is clamped; mode robust has none.
 
     Parameters
     ----------
@@ -351,7 +351,7 @@ def warnings(parameters: Parameters) -> list[str]:
         At most one message.
     """
     p = parameters
-    if p.driver_mass_min <= p.driver_mass <= p.driver_mass_max:
+    if p.mode == Mode.robust or p.driver_mass_min <= p.driver_mass <= p.driver_mass_max:
         return []
     return [
         f"driver_mass {p.driver_mass} kg lies outside [{p.driver_mass_min}, {p.driver_mass_max}] kg: "

@@ -117,3 +117,15 @@ def test_the_system_file_rides_the_default_road(native: Path, tmp_path: Path):
     expected = system.simulate(1.0, parameters=SCENARIOS["truck"].parameters)
     name = "seat.driver_acceleration"
     assert loaded[name].tobytes() == expected[name].tobytes()
+
+
+@pytest.mark.parametrize("flavour", ["fmi2", "python"])
+def test_the_mode_robust_has_no_gains_to_warn_of(native: Path, flavour: str):
+    warned = [
+        seat_suspension(native / flavour)
+        .simulate(0.02, parameters={"controller.driver_mass": 110.0, "controller.mode": mode})
+        .warnings
+        for mode in ("published", "robust")
+    ]
+    assert "lies outside" in warned[0][0]
+    assert warned[1] == []
