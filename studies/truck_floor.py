@@ -72,10 +72,10 @@ def main() -> None:
             if road_class == RoadClass.C and speed == 60:
                 curves.append(Curve("simulated, 600 s", spectrum.density, {"color": "C0"}, spectrum.frequency))
     truck = Parameters()
-    frequency = np.linspace(0.3, 25.0, 800)
+    frequency = np.linspace(0.3, 15.0, 800)
     density = np.abs(floor_response(truck, frequency)[0]) ** 2 * road_density(truck, frequency)
     curves.append(Curve("linear solution", density, {"color": "0.2", "linestyle": "--"}, frequency))
-    panel = Panel("Acceleration of the floor\n((m/s²)²/Hz)", frequency, curves, {}, limits=(1e-5, 2.0))
+    panel = Panel("Acceleration of the floor\n((m/s²)²/Hz)", frequency, curves, {}, limits=(1e-4, 3.0))
     draw(FIGURE, "Cab floor of the truck at the seat, road of class C, 60 km/h", [panel], "Frequency (Hz)", log=True)
 
 

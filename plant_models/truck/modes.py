@@ -42,7 +42,7 @@ class Matrices(NamedTuple):
 
 
 class Mode(NamedTuple):
-    """One mode.
+    """One mode of the linear truck.
 
     Attributes
     ----------
