@@ -236,7 +236,7 @@ def substep(
 
 
 def outputs(z: Motion, v: Motion, roads: tuple[float, float], force: float, c: Coefficients) -> Outputs:
-    """Evaluate the outputs.
+    """Evaluate the outputs of the truck.
 
     Parameters
     ----------
