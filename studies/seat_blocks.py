@@ -30,6 +30,7 @@ from seat_cosim.evaluation.results import RideResult
 from seat_cosim.evaluation.runner import measure
 from seat_cosim.evaluation.seat import seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
+from seat_cosim.scenarios import read_parameter_sets, seat_suspension
 
 ROOT = Path(__file__).parent.parent
 
@@ -48,16 +49,29 @@ BIAS = 0.05
 SEARCHED = {"damper.skyhook": 1000.0, "damper.velocity_corner": 0.2}
 """Parameter of SemiActiveSeat to where its search begins."""
 
-PUBLISHED: dict[str, Value] = {}
 ROBUST: dict[str, Value] = {"seat.controller.mode": "robust"}
 
-SEATS = {
-    "passive": ("PassiveSeat", PUBLISHED),
-    "semi-active": ("SemiActiveSeat", PUBLISHED),
-    "active, published": ("ActiveSeat", PUBLISHED),
-    "active, robust": ("ActiveSeat", ROBUST),
+SEATS: dict[str, tuple[str, dict[str, Value], bool]] = {
+    "passive": ("PassiveSeat", {}, False),
+    "semi-active": ("SemiActiveSeat", {}, False),
+    "active, published": ("ActiveSeat", {}, False),
+    "active, robust": ("ActiveSeat", ROBUST, False),
+    "active, robust, prototype": ("ActiveSeat", ROBUST, True),
 }
-"""Row of the table to its FMU and parameters."""
+"""Row of the table to its FMU, its parameters, and whether it has the imperfections of the parameter set prototype."""
+
+
+def imperfections(folder: Path) -> dict[str, Value]:
+    """Return the parameter set ``prototype``, for a block.
+
+    Parameters
+    ----------
+    folder
+        Folder of the FMUs.
+    """
+    return {
+        f"seat.{name}": value for name, value in read_parameter_sets(["prototype"], seat_suspension(folder)).items()
+    }
 
 
 def on_shaker(folder: Path, model: str) -> EvaluatedSystem:
@@ -177,8 +191,9 @@ def table(folder: Path) -> None:
     """
     for mass in MASSES:
         print(f"\n| {mass:g} kg | {' | '.join(CLASSES)} |\n|---|{'---:|' * len(CLASSES)}")
-        for row, (model, parameters) in SEATS.items():
+        for row, (model, parameters, is_imperfect) in SEATS.items():
             seat = on_shaker(folder, model)
+            parameters = {**parameters, **(imperfections(folder) if is_imperfect else {})}
             with seat.system.open() as session:
                 cells = []
                 for name in CLASSES:

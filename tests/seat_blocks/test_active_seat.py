@@ -39,7 +39,15 @@ SEAT = (
     "seat_displacement",
     "driver_displacement",
 )
-CONTROLLER = ("force", "force_demand", "motor_torque", "disturbance_estimate", "saturated", "fault", "friction_estimate")
+CONTROLLER = (
+    "force",
+    "force_demand",
+    "motor_torque",
+    "disturbance_estimate",
+    "saturated",
+    "fault",
+    "friction_estimate",
+)
 
 STOPS = {"seat.end_stop.travel": 0.04, "seat.end_stop.stiffness": 1e5, "seat.end_stop.damping": 1e3}
 DRIVER = {"seat.driver_mass": 70.0, "controller.driver_mass": 70.0}
@@ -86,9 +94,7 @@ def floor_at(time: float) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize("flavour", NATIVE)
 @pytest.mark.parametrize("mode", [Mode.published, Mode.robust])
-def test_inner_steps_close_the_loop_inside_a_step_of_the_host(
-    native: Path, tmp_path: Path, flavour: str, mode: Mode
-):
+def test_inner_steps_close_the_loop_inside_a_step_of_the_host(native: Path, tmp_path: Path, flavour: str, mode: Mode):
     """At 10 ms as controller and seat at 2 ms on the floor that the block extrapolates; 1e-12, but for rounding."""
     folder = native / flavour
     names = SEAT[:5]
@@ -113,9 +119,7 @@ def test_inner_steps_close_the_loop_inside_a_step_of_the_host(
                 controller.step(time, 0.002)
                 (force,) = controller.get("force")
                 displacement, velocity = z + tau * (v + 0.5 * tau * a), v + tau * a
-                seat.set(
-                    floor_displacement=displacement, floor_velocity=velocity, floor_acceleration=a, force=force
-                )
+                seat.set(floor_displacement=displacement, floor_velocity=velocity, floor_acceleration=a, force=force)
                 seat.step(time, 0.002)
             rows.append((block.get(*names, "force"), [*seat.get(*names), force]))
     found, expected = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
@@ -224,7 +228,9 @@ def test_both_parts_judge_a_state():
 
 def test_parameters_of_both_parts_have_their_names_behind_a_prefix():
     names = {v.name: v for v in ACTIVE_SEAT.variables}
-    assert {"seat.driver_mass", "controller.driver_mass", "controller.K1.deflection", "seat.friction.alpha"} <= set(names)
+    assert {"seat.driver_mass", "controller.driver_mass", "controller.K1.deflection", "seat.friction.alpha"} <= set(
+        names
+    )
     flat = {v.field: v.start for v in ACTIVE_SEAT.variables if v.causality == "parameter"}
     assert record_of(ActiveParameters, flat) == ActiveParameters()
     changed = record_of(ActiveParameters, {**flat, "controller.K1_deflection": 1.0, "seat.sensor_seed": 7})
