@@ -374,7 +374,7 @@ class _Group:
         return {name: s.value if isinstance(s, Quantity) else s for name, s in self.starts.items()}
 
     def default(self) -> Any:
-        return self.record(**self.values())
+        return record_of(self.record, self.values())
 
 
 def group(

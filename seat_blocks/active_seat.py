@@ -144,7 +144,7 @@ def controller_parameters(own: ControllerParameters, of_seat: SeatParameters) ->
 
 
 def prepare(parameters: ActiveParameters) -> Coefficients:
-    """Derive the coefficients.
+    """Derive the coefficients of both parts and the time between exchanges.
 
     Parameters
     ----------

@@ -128,7 +128,7 @@ _SENSORS = (
 
 @dataclass(slots=True)
 class ActiveOutputs:
-    """Outputs of ActiveSeat.
+    """Outputs of ActiveSeat, from both parts.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class ActiveOutputs:
 
 @dataclass(slots=True)
 class ActiveParameters:
-    """Parameters of ActiveSeat.
+    """Parameters of ActiveSeat, those of both parts behind a prefix.
 
     Attributes
     ----------
@@ -182,7 +182,7 @@ class ActiveParameters:
 
 @dataclass(slots=True)
 class ActiveConstants:
-    """Constants of ActiveSeat.
+    """Constants of ActiveSeat that a host can read.
 
     Attributes
     ----------
@@ -198,7 +198,7 @@ class ActiveConstants:
 
 @dataclass(slots=True)
 class PassiveOutputs:
-    """Outputs of PassiveSeat.
+    """Outputs of PassiveSeat, under the names of ActiveSeat.
 
     Attributes
     ----------
@@ -214,7 +214,7 @@ class PassiveOutputs:
 
 @dataclass(slots=True)
 class PassiveParameters:
-    """Parameters of PassiveSeat.
+    """Parameters of PassiveSeat, those of the seat behind a prefix.
 
     Attributes
     ----------
@@ -235,7 +235,7 @@ class PassiveParameters:
 
 @dataclass(slots=True)
 class SemiActiveOutputs:
-    """Outputs of SemiActiveSeat.
+    """Outputs of SemiActiveSeat, from seat and damper.
 
     Attributes
     ----------
@@ -285,7 +285,7 @@ class DamperParameters:
 
 @dataclass(slots=True)
 class SemiActiveParameters:
-    """Parameters of SemiActiveSeat.
+    """Parameters of SemiActiveSeat, of seat and damper.
 
     Attributes
     ----------
@@ -306,7 +306,7 @@ class SemiActiveParameters:
 
 @dataclass(slots=True)
 class SemiActiveConstants:
-    """Constants of SemiActiveSeat.
+    """Constants of SemiActiveSeat that a host can read.
 
     Attributes
     ----------

@@ -17,9 +17,10 @@ PASSIVE_FRICTION = Quantity(
     61_966.0, "N/m", "alpha", "assumed: 0.2 of the prototype's, which has gear reducers besides"
 )
 
+# of the variable damper; "search" is studies/seat_blocks.py
 MINIMUM_DAMPING = Quantity(150.0, "N.s/m", "c_min", "assumed: the open valve")
 MAXIMUM_DAMPING = Quantity(2500.0, "N.s/m", "c_max", "assumed: the closed valve")
-SKYHOOK_DAMPING = Quantity(1000.0, "N.s/m", "c_sky", "search")
+SKYHOOK_DAMPING = Quantity(1290.0, "N.s/m", "c_sky", "search")
 DAMPER_TIME_CONSTANT = Quantity(0.010, "s", "T_c", "assumed: 23 ms to 90 % of a change")
-VELOCITY_CORNER = Quantity(0.2, "Hz", "f_l", "assumed: below the resonance of the seat, 1.2 Hz")
+VELOCITY_CORNER = Quantity(0.5, "Hz", "f_l", "search, with a bias of 50 mm/s2")
 RATE_CUTOFF = Quantity(30.0, "Hz", "f_c", "as of SeatController")

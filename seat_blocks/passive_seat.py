@@ -19,7 +19,7 @@ from seat_blocks.interface import (
 
 
 def prepare(parameters: PassiveParameters) -> seat.Coefficients:
-    """Derive the coefficients.
+    """Derive the coefficients of the seat.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ class Coefficients(NamedTuple):
 
 
 def prepare(parameters: SemiActiveParameters) -> Coefficients:
-    """Derive the coefficients.
+    """Derive the coefficients of law, damper and seat.
 
     Parameters
     ----------

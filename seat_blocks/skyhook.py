@@ -115,7 +115,7 @@ def start(coefficients: SkyhookCoefficients, time: float) -> SkyhookState:
 
 
 def sample(state: SkyhookState, acceleration: float, deflection: float, c: SkyhookCoefficients) -> SkyhookState:
-    """Take one sample.
+    """Take one sample of both measurements.
 
     Parameters
     ----------

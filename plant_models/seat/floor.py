@@ -52,7 +52,18 @@ class FloorMotion(NamedTuple):
         return self.velocity + tau * self.acceleration
 
     def from_time(self, tau: float) -> FloorMotion:
-        """Return the same motion about the time ``tau`` seconds after the begin of the step."""
+        """Return the same motion about a later time.
+
+        Parameters
+        ----------
+        tau
+            Time after the begin of the step, in s.
+
+        Returns
+        -------
+        FloorMotion
+            Of the same acceleration.
+        """
         return FloorMotion(self.displacement_at(tau), self.velocity_at(tau), self.acceleration)
 
 
