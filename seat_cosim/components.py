@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fmus import FLAVOURS
 from fmus.component import DefaultExperiment
+from plant_models.driver.driver import SEATED_DRIVER
 from plant_models.seat.seat import SEAT_PLANT
 from plant_models.shaker.shaker import SHAKER
 from seat_controller_fmu.controller import SEAT_CONTROLLER
@@ -16,7 +17,7 @@ from seat_controller_fmu.parameters import SAMPLE_TIME
 if TYPE_CHECKING:  # the exporter takes long to load
     from fmus.export.fmu_file import BuildResult
 
-COMPONENTS = (SEAT_CONTROLLER, SEAT_PLANT, SHAKER)
+COMPONENTS = (SEAT_CONTROLLER, SEAT_PLANT, SHAKER, SEATED_DRIVER)
 """Components of which FMUs are built."""
 
 EXPERIMENT = DefaultExperiment(stop_time=3.0, step_size=SAMPLE_TIME.value)

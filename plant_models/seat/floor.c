@@ -43,8 +43,8 @@ floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs
     floor_motion node = {history->displacement, history->velocity, history->acceleration};
     floor_motion motion;
     if (age > 0.0 && age < min_interval) {
-        motion.displacement = floor_displacement_at(&node, age);
-        motion.velocity = floor_velocity_at(&node, age);
+        motion.displacement = motion_displacement_at(&node, age);
+        motion.velocity = motion_velocity_at(&node, age);
         motion.acceleration = node.acceleration;
         history->age = age + step_size;
     } else {
@@ -65,6 +65,6 @@ floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs
     history->displacement = node.displacement;
     history->velocity = node.velocity;
     history->acceleration = node.acceleration;
-    history->end_displacement = floor_displacement_at(&motion, step_size);
+    history->end_displacement = motion_displacement_at(&motion, step_size);
     return motion;
 }

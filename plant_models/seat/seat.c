@@ -74,8 +74,8 @@ typedef struct {
 static accelerations slope(double z_s, double v_s, double z_b, double v_b, double tau, double z_d, double x_0,
                            const floor_motion *motion, double force, double side, const coefficients_t *c)
 {
-    const double x = z_s - floor_displacement_at(motion, tau);
-    const double v = v_s - floor_velocity_at(motion, tau);
+    const double x = z_s - motion_displacement_at(motion, tau);
+    const double v = v_s - motion_velocity_at(motion, tau);
     const double z_d_stage = friction_after_slip(z_d, x - x_0, &c->friction);
     const double cushion_deflection = z_b - z_s, cushion_rate = v_b - v_s;
     accelerations a;
@@ -97,7 +97,7 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
     const double z_s = masses->seat_displacement, v_s = masses->seat_velocity;
     const double z_b = masses->driver_displacement, v_b = masses->driver_velocity;
     const double z_d = masses->friction;
-    const double x_0 = z_s - floor_displacement_at(motion, tau);
+    const double x_0 = z_s - motion_displacement_at(motion, tau);
     const double half = 0.5 * h;
     const accelerations a_1 = slope(z_s, v_s, z_b, v_b, tau, z_d, x_0, motion, first, side, c);
     const double v_s2 = v_s + half * a_1.seat, v_b2 = v_b + half * a_1.driver;
@@ -114,9 +114,9 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
     const double z_b_end = z_b + sixth * (v_b + 2.0 * (v_b2 + v_b3) + v_b4);
     const double v_s_end = v_s + sixth * (a_1.seat + 2.0 * (a_2.seat + a_3.seat) + a_4.seat);
     const double v_b_end = v_b + sixth * (a_1.driver + 2.0 * (a_2.driver + a_3.driver) + a_4.driver);
-    const double x_end = z_s_end - floor_displacement_at(motion, tau + h);
-    const double z_d_end = friction_through_reversal(z_d, x_0, v_s - floor_velocity_at(motion, tau), x_end,
-                                                     v_s_end - floor_velocity_at(motion, tau + h), h, &c->friction);
+    const double x_end = z_s_end - motion_displacement_at(motion, tau + h);
+    const double z_d_end = friction_through_reversal(z_d, x_0, v_s - motion_velocity_at(motion, tau), x_end,
+                                                     v_s_end - motion_velocity_at(motion, tau + h), h, &c->friction);
     masses->seat_displacement = flush_subnormal(z_s_end);
     masses->seat_velocity = flush_subnormal(v_s_end);
     masses->driver_displacement = flush_subnormal(z_b_end);
@@ -128,8 +128,8 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
 static inline void evaluate_outputs(const masses_t *masses, const floor_motion *motion, double force, double tau,
                                     const coefficients_t *c, seat_plant_outputs *outputs)
 {
-    const double deflection = masses->seat_displacement - floor_displacement_at(motion, tau);
-    const double rate = masses->seat_velocity - floor_velocity_at(motion, tau);
+    const double deflection = masses->seat_displacement - motion_displacement_at(motion, tau);
+    const double rate = masses->seat_velocity - motion_velocity_at(motion, tau);
     const double cushion_deflection = masses->driver_displacement - masses->seat_displacement;
     const double cushion_rate = masses->driver_velocity - masses->seat_velocity;
     outputs->seat_acceleration =

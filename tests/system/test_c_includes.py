@@ -10,7 +10,15 @@ import pytest
 
 from tests.helpers.paths import ROOT
 
-FOLDERS = ("fmus", "fmus/native", "plant_models", "plant_models/seat", "plant_models/shaker", "src/seat_controller_fmu")
+FOLDERS = (
+    "fmus",
+    "fmus/native",
+    "plant_models",
+    "plant_models/driver",
+    "plant_models/seat",
+    "plant_models/shaker",
+    "src/seat_controller_fmu",
+)
 """Folders of the C code; an FMU has the files of several of them in one folder."""
 
 GENERATED = {"model.h", "defaults.h"}
@@ -21,28 +29,31 @@ STANDARD = re.compile(r"fmi[23]\w+\.h")
 
 HELPERS = {
     "actuator",
+    "body",
     "floor",
     "friction",
+    "motion",
     "noise",
     "platform",
     "profiles",
     "random_numbers",
     "recording",
     "replay",
+    "runge_kutta",
     "sensors",
 }
-MODELS = {"seat.h", "shaker.h"}
+MODELS = {"driver.h", "seat.h", "shaker.h"}
 
 FILES = sorted(path for folder in FOLDERS for suffix in ("*.c", "*.h") for path in (ROOT / folder).glob(suffix))
 
 
 def includes(path: Path) -> list[Path]:
-    """Return the files of the project that a file includes, from its own folder or the folder of shared headers."""
+    """Return the files of the project that a file includes, from its own folder or the folders of shared headers."""
     found = []
     for name in re.findall(r'^#include "(.+)"', path.read_text(encoding="utf-8"), re.MULTILINE):
         if name in GENERATED or STANDARD.fullmatch(name):
             continue
-        candidates = [folder / name for folder in (path.parent, path.parent.parent, ROOT / "fmus")]
+        candidates = [folder / name for folder in (path.parent, path.parent.parent, ROOT / "fmus", ROOT / "plant_models/driver")]
         found.append(next(path for path in candidates if path.is_file()))
     return found
 

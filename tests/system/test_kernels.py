@@ -31,7 +31,7 @@ STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshado
 KERNELS = sorted(
     {str(path.relative_to(ROOT)) for c in COMPONENTS for path in kernel_files(c.module) if path.suffix == ".c"}
 )
-INCLUDES = [f"-I{ROOT / folder}" for folder in ("fmus", "plant_models")]
+INCLUDES = [f"-I{ROOT / folder}" for folder in ("fmus", "plant_models", "plant_models/driver")]
 """Where headers lie that several models include."""
 
 CONTROLLER = "src/seat_controller_fmu/controller.c"
@@ -148,6 +148,7 @@ STATE_SCALES = {
         "actuator.target": 100.0,
         "actuator.force": 100.0,
     },
+    "SeatedDriver": {"displacements": 0.05, "velocities": 0.5},
     "Shaker": {"modes": 0.1, "platform_displacement": 0.02, "platform_velocity": 0.3, "platform_acceleration": 1.0},
 }
 
