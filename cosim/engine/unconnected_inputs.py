@@ -3,6 +3,10 @@
 Some components need one input of a group only and derive the others. Such a component has a *selector*, recognised by
 names alone: an enumeration parameter ``G_signals`` whose first item stands for all inputs of the group, and each other
 item X for the input ``G_X``, in order of preference.
+
+Other components have inputs for something that they also model themselves: an enumeration parameter ``G.model`` with
+the item ``external``, and inputs ``G_...`` that are used with this item only. Without a connection there is nothing to
+say of them as long as nobody sets this parameter.
 """
 
 from __future__ import annotations
@@ -18,6 +22,7 @@ from cosim.fmi.description import ModelDescription
 from cosim.fmi.elements import owner
 
 _SUFFIX = "_signals"
+_MODEL, _EXTERNAL = ".model", "external"
 
 
 @dataclass(frozen=True)
@@ -50,6 +55,33 @@ def selectors(model: ModelDescription) -> Iterator[Selector]:
         known = [name for name in inputs.values() if name in model.variables]
         if known and len(known) == len(inputs) and all(model.variables[n].causality == "input" for n in known):
             yield Selector(variable.name, all_item, inputs)
+
+
+def inputs_of_externals(model: ModelDescription, given: Container[str]) -> set[str]:
+    """Find the inputs for what an FMU models itself unless a parameter says otherwise.
+
+    Parameters
+    ----------
+    model
+        The FMU.
+    given
+        Names of the parameters that are set.
+
+    Returns
+    -------
+    set of str
+        Names of the inputs of those whose parameter is not set.
+    """
+    groups = set()
+    for variable in model.variables.values():
+        group = variable.name.removesuffix(_MODEL)
+        if variable.type != "Enumeration" or variable.causality != "parameter" or group == variable.name:
+            continue
+        external = [item.value for item in variable.declaredType.items if item.name == _EXTERNAL]
+        if external and variable.name not in given and str(variable.start) != str(external[0]):
+            groups.add(f"{group}_")
+    inputs = (variable.name for variable in model.variables.values() if variable.causality == "input")
+    return {name for name in inputs if name.startswith(tuple(groups))}
 
 
 def derived_inputs(model: ModelDescription, connected: Container[str]) -> set[str]:
@@ -111,7 +143,7 @@ def resolve_unconnected(
         Values of the structural parameters, see :meth:`ModelDescription.sizes`.
     """
     resolved = UnconnectedInputs()
-    grouped: set[str] = set()
+    grouped = inputs_of_externals(model, given)
     for selector in selectors(model):
         grouped |= set(selector.inputs.values())
         if selector.parameter not in given:

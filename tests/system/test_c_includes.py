@@ -53,7 +53,9 @@ def includes(path: Path) -> list[Path]:
     for name in re.findall(r'^#include "(.+)"', path.read_text(encoding="utf-8"), re.MULTILINE):
         if name in GENERATED or STANDARD.fullmatch(name):
             continue
-        candidates = [folder / name for folder in (path.parent, path.parent.parent, ROOT / "fmus", ROOT / "plant_models/driver")]
+        candidates = [
+            folder / name for folder in (path.parent, path.parent.parent, ROOT / "fmus", ROOT / "plant_models/driver")
+        ]
         found.append(next(path for path in candidates if path.is_file()))
     return found
 

@@ -136,6 +136,8 @@ STATE_SCALES = {
         "masses.driver_displacement": 0.05,
         "masses.driver_velocity": 0.5,
         "masses.friction": 2e-4,
+        "masses.upper_displacements": 0.05,
+        "masses.upper_velocities": 0.5,
         "floor.displacement": 0.05,
         "floor.velocity": 0.5,
         "floor.acceleration": 2.0,
