@@ -75,7 +75,7 @@ class Parameters:
 
 TERMINALS = (
     Terminal(
-        "seat",
+        "driver",
         "The contact with the seat",
         {
             "displacement": "seat_displacement",

@@ -266,8 +266,15 @@ def _substep(
     v_s_end = v_s + sixth * (a_s1 + 2.0 * (a_s2 + a_s3) + a_s4)
     v_b_end = v_b + sixth * (a_b1 + 2.0 * (a_b2 + a_b3) + a_b4)
     z_d_end = _friction_after(masses, z_s_end, v_s_end, motion, tau, h, c)
-    flushed = map(flush_subnormal, (z_s_end, v_s_end, z_b_end, v_b_end, z_d_end))
-    return Masses(*flushed, masses.upper_displacements, masses.upper_velocities)
+    return Masses(
+        flush_subnormal(z_s_end),
+        flush_subnormal(v_s_end),
+        flush_subnormal(z_b_end),
+        flush_subnormal(v_b_end),
+        flush_subnormal(z_d_end),
+        masses.upper_displacements,
+        masses.upper_velocities,
+    )
 
 
 def _body_accelerations(z: Numbers, v: Numbers, c: Coefficients) -> Numbers:

@@ -101,6 +101,7 @@ def test_the_controller_declares_its_internal_step_size(native: Path):
         "SeatController": H,
         "SeatPlant": None,
         "Shaker": None,
+        "SeatedDriver": None,
     }
 
 
@@ -115,7 +116,7 @@ def test_terminals_follow_the_schema_and_fit_together(native: Path):
             members = terminal.findall("TerminalMemberVariable")
             assert {m.get("variableName") for m in members} <= {v.name for v in component.variables}
             plugs.setdefault(terminal.get("name"), []).append([m.get("memberName") for m in members])
-    assert set(plugs) == {"floor", "sensors", "actuator"}
+    assert set(plugs) == {"floor", "sensors", "actuator", "driver"}
     assert all(len(members) == 2 and members[0] == members[1] for members in plugs.values())
 
 
@@ -180,6 +181,8 @@ def random_floor(random: np.random.Generator, names: list[str], stop_time: float
         "seat_acceleration": random.normal(0.0, 2.0, len(t)),
         "suspension_deflection": 0.03 * np.sin(11.0 * t) + random.normal(0.0, 1e-4, len(t)),
     }
+    motion |= {"seat_displacement": motion["floor_displacement"], "seat_velocity": motion["floor_velocity"]}
+    motion["driver_force"] = 150.0 * np.sin(7.0 * t)
     table = np.zeros(len(t), dtype=[("time", float), *((name, float) for name in names)])
     table["time"] = t
     for name in names:
