@@ -1,4 +1,4 @@
-"""Parameters that have no effect beside others: the shape of a floor that is not ridden, the law that does not run.
+"""Parameters without an effect: the shape of a floor that is not ridden, a law that does not run, an absent driver.
 
 The names are those of this project's FMUs; parameters of other FMUs are taken as they are.
 """
@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from cosim.engine.structure import Structure
 from cosim.errors import Problems, SetupError
 from cosim.fmi.values import Value
+from plant_models.seat.interface import DriverModel
 from plant_models.shaker.interface import Profile
 from seat_controller_fmu.interface import Mode
 
@@ -29,6 +30,16 @@ _OF_PUBLISHED = (
 
 _OF_ROBUST = ("actuator_time_constant", "actuator_delay", "travel")
 """Parameters of the controller that only the mode robust uses, beside those named ``robust.*``."""
+
+
+_OF_DRIVERS = {
+    "cushion_stiffness": DriverModel.lumped,
+    "cushion_damping": DriverModel.lumped,
+    "driver.contact_stiffness": DriverModel.seated,
+    "driver.contact_damping": DriverModel.seated,
+    "driver_force": DriverModel.external,
+}
+"""Variables of the seat that only one kind of driver uses."""
 
 
 def refuse_idle(names: Iterable[str], system: Structure, parameters: Mapping[str, Value]) -> None:
@@ -75,6 +86,8 @@ def _owner(model: str, variable: str) -> tuple[str, str] | None:
         return "mode", Mode.robust.name
     if model == "SeatController" and variable in _OF_PUBLISHED:
         return "mode", Mode.published.name
+    if model == "SeatPlant" and variable in _OF_DRIVERS:
+        return "driver.model", _OF_DRIVERS[variable].name
     return None
 
 
@@ -83,7 +96,7 @@ def _item(system: Structure, name: str, parameters: Mapping[str, Value]) -> str 
     try:
         component, variable = system.parse(name)
         value = system.check_parameters(parameters)[component].get(variable, system.start(name))
-        kind = {"profile": Profile, "mode": Mode}[variable]
+        kind = {"profile": Profile, "mode": Mode, "driver.model": DriverModel}[variable]
         return kind(int(value)).name  # type: ignore[arg-type]  # a number
     except (SetupError, TypeError, ValueError):
         return None
