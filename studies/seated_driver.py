@@ -150,8 +150,8 @@ def print_modes() -> None:
             for step_size in (2e-3, 1e-3) if order else (2e-3,):
                 shown = ", ".join(f"{m.frequency:.3f} Hz {m.damping:.4f}" for m in modes(linear, step_size, order))
                 print(f"  {order or 'inside':13s} {1e3 * step_size:g} ms: {shown}")
-    for order in ORDERS:
-        print(f"  {order:13s} stable up to {longest_step(linear, order):.1f} ms")
+        for order in ORDERS:
+            print(f"  {order:13s} stable up to {longest_step(linear, order):.1f} ms")
 
 
 # ---- coupling, through the FMUs --------------------------------------------------------------------------------------
