@@ -257,12 +257,14 @@ static void filter_signals(state_t *state, const seat_plant_outputs *begin, cons
 static void take_substeps(masses_t *masses, const floor_motion *motion, double begin, double h, double count,
                           double first, double last, double side, const coefficients_t *c)
 {
-    for (double index = 0.0; index < count; index += 1.0) {
-        if (c->driver_model == SEAT_PLANT_SEATED) {
+    if (c->driver_model == SEAT_PLANT_SEATED) {
+        for (double index = 0.0; index < count; index += 1.0) {
             seated_substep(masses, motion, first, last, side, begin + index * h, h, c);
-        } else {
-            substep(masses, motion, first, last, side, begin + index * h, h, c);
         }
+        return;
+    }
+    for (double index = 0.0; index < count; index += 1.0) {
+        substep(masses, motion, first, last, side, begin + index * h, h, c);
     }
 }
 
