@@ -60,7 +60,7 @@ def fmu(name: str, flavour: str = DEFAULT_FLAVOUR) -> Path:
     Parameters
     ----------
     name
-        ``SeatController``, ``SeatPlant`` or ``Shaker``.
+        ``SeatController``, ``SeatPlant``, ``Shaker`` or ``SeatedDriver``.
     flavour
         Name from :data:`fmus.FLAVOURS`.
 

@@ -157,9 +157,8 @@ def print_modes() -> None:
 # ---- coupling, through the FMUs --------------------------------------------------------------------------------------
 
 
-def coupled_system(order: str) -> System:
-    """Return shaker, seat, controller and driver, the driver outside the seat."""
-    folder = fmu_folder()
+def coupled_system(order: str, folder: Path) -> System:
+    """Return shaker, seat, controller and driver of the FMUs of a folder, the driver outside the seat."""
     system = scenarios.seat_suspension(folder)
     system.add("driver", folder / "SeatedDriver.fmu")
     for name in ("displacement", "velocity", "acceleration"):
@@ -170,16 +169,16 @@ def coupled_system(order: str) -> System:
     return system
 
 
-def coupling_errors(step_size: float, order: str, parameters: dict[str, Any], stop: float) -> list[float]:
+def coupling_errors(step_size: float, order: str, parameters: dict[str, Any], stop: float, folder: Path) -> list[float]:
     """Return errors against the driver inside at the same step, in %, for pelvis, then head.
 
     Two each: RMS of the difference over the RMS, and deviation of the RMS.
     """
     algorithm = "jacobi" if order == "jacobi" else "gauss-seidel"  # with both drivers
-    inside = scenarios.seat_suspension(fmu_folder()).simulate(
+    inside = scenarios.seat_suspension(folder).simulate(
         stop, step_size, {**parameters, "seat.driver.model": "seated"}, algorithm=algorithm
     )
-    outside = coupled_system(order).simulate(
+    outside = coupled_system(order, folder).simulate(
         stop, step_size, {**parameters, "seat.driver.model": "external"}, algorithm=algorithm
     )
     found = []
@@ -208,7 +207,7 @@ def print_errors() -> None:
     print("against the driver inside, %: RMS of the difference over the RMS, deviation of the RMS; pelvis / head")
     for ride, (parameters, stop) in RIDES.items():
         for order in ORDERS:
-            cells = (coupling_errors(step_size, order, parameters, stop) for step_size in (2e-3, 1e-3))
+            cells = (coupling_errors(step_size, order, parameters, stop, fmu_folder()) for step_size in (2e-3, 1e-3))
             shown = ", ".join(f"{p:.1f} {p_rms:+.1f} / {h:.1f} {h_rms:+.1f}" for p, p_rms, h, h_rms in cells)
             print(f"  {ride:20s} {order:13s} at 2 ms, 1 ms: {shown}")
 
