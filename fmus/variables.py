@@ -183,7 +183,7 @@ def _declare(start: Any, name: str | None = None, **attributes: Any) -> Any:
     return dataclasses.field(default=start, metadata={"name": name, **attributes})
 
 
-def input_(unit: str, description: str, *, nominal: float) -> Any:
+def input_(unit: str, description: str, *, nominal: float, added: bool = False) -> Any:
     """Declare an input: continuous, with the start value zero.
 
     Parameters
@@ -194,6 +194,8 @@ def input_(unit: str, description: str, *, nominal: float) -> Any:
         Text for the model description.
     nominal
         Typical magnitude, in ``unit``.
+    added
+        As of :func:`output`.
 
     Returns
     -------
@@ -208,6 +210,7 @@ def input_(unit: str, description: str, *, nominal: float) -> Any:
         unit=unit,
         description=description,
         nominal=nominal,
+        added=added,
     )
 
 

@@ -94,11 +94,11 @@ void active_seat_advance(active_seat_state *state, const active_seat_inputs *inp
     do {
         const double end = end_of_part(time, begin, step_size, c->interval);
         const seat_controller_inputs measured = {state->acceleration, state->deflection};
-        const floor_motion rest = floor_from_time(&motion, begin);
+        const floor_motion rest = motion_from_time(&motion, begin);
         seat_controller_advance(&state->controller, &measured, &c->controller, time + begin, end - begin,
                                 &outputs->controller);
-        seat_plant_advance_on_floor(&state->seat, &rest, outputs->controller.force, &c->seat, time + begin, end - begin,
-                                    &of_seat);
+        seat_plant_advance_on_floor(&state->seat, &rest, outputs->controller.force, 0.0, &c->seat, time + begin,
+                                    end - begin, &of_seat);
         state->acceleration = of_seat.seat_acceleration_measured;
         state->deflection = of_seat.suspension_deflection_measured;
         begin = end;

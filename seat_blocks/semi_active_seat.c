@@ -81,10 +81,10 @@ void semi_active_seat_advance(semi_active_seat_state *state, const semi_active_s
     double begin = 0.0;
     do {
         const double end = end_of_part(time, begin, step_size, c->law.sample_time);
-        const floor_motion rest = floor_from_time(&motion, begin);
+        const floor_motion rest = motion_from_time(&motion, begin);
         skyhook_advance(&state->law, state->acceleration, state->deflection, &c->law, time + begin, end - begin);
         seat.c_f = follow(state, &c->damper, end - begin);
-        seat_plant_advance_on_floor(&state->seat, &rest, 0.0, &seat, time + begin, end - begin, &of_seat);
+        seat_plant_advance_on_floor(&state->seat, &rest, 0.0, 0.0, &seat, time + begin, end - begin, &of_seat);
         state->acceleration = of_seat.seat_acceleration_measured;
         state->deflection = of_seat.suspension_deflection_measured;
         begin = end;

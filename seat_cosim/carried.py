@@ -60,7 +60,8 @@ def fmu(name: str, flavour: str = DEFAULT_FLAVOUR) -> Path:
     Parameters
     ----------
     name
-        ``SeatController``, ``SeatPlant``, ``Shaker``, ``ActiveSeat``, ``PassiveSeat`` or ``SemiActiveSeat``.
+        ``SeatController``, ``SeatPlant``, ``Shaker``, ``TruckCab``, ``SeatedDriver``, ``ActiveSeat``, ``PassiveSeat``
+        or ``SemiActiveSeat``.
     flavour
         Name from :data:`fmus.FLAVOURS`.
 

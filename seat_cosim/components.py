@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fmus import FLAVOURS
 from fmus.component import DefaultExperiment
+from plant_models.driver.driver import SEATED_DRIVER
 from plant_models.seat.seat import SEAT_PLANT
 from plant_models.shaker.shaker import SHAKER
 from plant_models.truck.truck import TRUCK_CAB
@@ -24,6 +25,7 @@ COMPONENTS = (
     SEAT_CONTROLLER,
     SEAT_PLANT,
     SHAKER,
+    SEATED_DRIVER,
     TRUCK_CAB,
     ACTIVE_SEAT,
     PASSIVE_SEAT,

@@ -1,4 +1,4 @@
-"""Parameters that have no effect beside others: the shape of a floor that is not ridden, the law that does not run.
+"""Parameters without an effect: the shape of a floor that is not ridden, a law that does not run, an absent driver.
 
 The names are those of this project's FMUs; parameters of other FMUs are taken as they are.
 """
@@ -12,6 +12,7 @@ from typing import NamedTuple
 from cosim.engine.structure import Structure
 from cosim.errors import Problems, SetupError
 from cosim.fmi.values import Value
+from plant_models.seat.interface import DriverModel
 from plant_models.shaker import interface as shaker
 from plant_models.truck import interface as truck
 from seat_controller_fmu.interface import Mode
@@ -32,6 +33,16 @@ _OF_PUBLISHED = (
 
 _OF_ROBUST = ("actuator_time_constant", "actuator_delay", "travel")
 """Parameters of the controller that only the mode robust uses, beside those named ``robust.*``."""
+
+
+_OF_DRIVERS = {
+    "cushion_stiffness": DriverModel.lumped,
+    "cushion_damping": DriverModel.lumped,
+    "driver.contact_stiffness": DriverModel.seated,
+    "driver.contact_damping": DriverModel.seated,
+    "driver_force": DriverModel.external,
+}
+"""Variables of the seat that only one kind of driver uses."""
 
 
 def refuse_idle(names: Iterable[str], system: Structure, parameters: Mapping[str, Value]) -> None:
@@ -102,6 +113,8 @@ def _use(model: str, variable: str) -> _Use | None:
         return _Use("mode", Mode, (Mode.robust.name,))
     if model == "SeatController" and variable in _OF_PUBLISHED:
         return _Use("mode", Mode, (Mode.published.name,))
+    if model == "SeatPlant" and variable in _OF_DRIVERS:
+        return _Use("driver.model", DriverModel, (_OF_DRIVERS[variable].name,))
     return None
 
 

@@ -20,51 +20,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from plant_models.motion import Motion
 from plant_models.seat.interface import FloorSignals, Inputs
 
 MIN_INTERVAL = 1e-5
 """A sample that follows the last one sooner, in s, is ignored: its differences are mostly rounding errors."""
 
 
-class FloorMotion(NamedTuple):
-    """Motion of the floor over one step: second-order Taylor series about the begin of the step.
-
-    Attributes
-    ----------
-    displacement
-        z_v, in m, up positive.
-    velocity
-        z_v', in m/s.
-    acceleration
-        z_v'', in m/s2, constant over the step.
-    """
-
-    displacement: float
-    velocity: float
-    acceleration: float
-
-    def displacement_at(self, tau: float) -> float:
-        """Return z_v in m at ``tau`` seconds after the begin of the step."""
-        return self.displacement + tau * (self.velocity + 0.5 * tau * self.acceleration)
-
-    def velocity_at(self, tau: float) -> float:
-        """Return z_v' in m/s at ``tau`` seconds after the begin of the step."""
-        return self.velocity + tau * self.acceleration
-
-    def from_time(self, tau: float) -> FloorMotion:
-        """Return the same motion about a later time.
-
-        Parameters
-        ----------
-        tau
-            Time after the begin of the step, in s.
-
-        Returns
-        -------
-        FloorMotion
-            Of the same acceleration.
-        """
-        return FloorMotion(self.displacement_at(tau), self.velocity_at(tau), self.acceleration)
+FloorMotion = Motion
+"""Motion z_v, z_v', z_v'' of the floor over one step."""
 
 
 class FloorHistory(NamedTuple):

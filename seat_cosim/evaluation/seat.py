@@ -9,6 +9,7 @@ from typing import Any
 from cosim.engine.structure import Structure
 from cosim.fmi.values import Value
 from cosim.system import System
+from plant_models.seat.interface import DriverModel
 from seat_cosim.evaluation.installation import Installation
 from seat_cosim.evaluation.system import EvaluatedSystem, SignalMap
 from seat_cosim.scenarios import FLOORS, FMUS, SHAKER, TRUCK, components_of, control, driver_mass, read_parameter_sets
@@ -21,7 +22,7 @@ PASSIVE_NOTE = (
 
 _TRAVEL, _STIFFNESS, _DAMPING = "seat.end_stop.travel", "seat.end_stop.stiffness", "seat.end_stop.damping"
 
-_OF_THE_TEST = ("driver_mass", "cushion_", "end_stop.", "floor_signals")
+_OF_THE_TEST = ("driver_mass", "driver.", "cushion_", "end_stop.", "floor_signals")
 """Beginnings of the names of SeatPlant's parameters that belong to the test: driver, cushion, end stops, floor."""
 
 
@@ -171,7 +172,11 @@ def inert_load(system: System) -> dict[str, Value]:
     system
         The system.
     """
-    return read_parameter_sets(["load"], system) if "seat" in components_of(system, FMUS["seat"]) else {}
+    if "seat" not in components_of(system, FMUS["seat"]):
+        return {}
+    one_mass = {"seat.driver.model": DriverModel.lumped.name}
+    strapped = read_parameter_sets(["load"], system)
+    return strapped | one_mass if "driver.model" in system.models["seat"].variables else strapped
 
 
 def passive_seat(

@@ -115,7 +115,7 @@ def test_terminals_follow_the_schema_and_fit_together(native: Path):
             members = terminal.findall("TerminalMemberVariable")
             assert {m.get("variableName") for m in members} <= {v.name for v in component.variables}
             plugs.setdefault(terminal.get("name"), []).append([m.get("memberName") for m in members])
-    assert set(plugs) == {"floor", "sensors", "actuator", "reaction"}
+    assert set(plugs) == {"floor", "sensors", "actuator", "reaction", "driver"}
     assert all(len(members) >= 2 and all(each == members[0] for each in members) for members in plugs.values())
 
 
@@ -181,6 +181,8 @@ def random_floor(random: np.random.Generator, names: list[str], stop_time: float
         "suspension_deflection": 0.03 * np.sin(11.0 * t) + random.normal(0.0, 1e-4, len(t)),
         "seat_force": 300.0 * np.sign(np.sin(13.0 * t)),
     }
+    motion |= {"seat_displacement": motion["floor_displacement"], "seat_velocity": motion["floor_velocity"]}
+    motion["driver_force"] = 150.0 * np.sin(7.0 * t)
     table = np.zeros(len(t), dtype=[("time", float), *((name, float) for name in names)])
     table["time"] = t
     for name in names:

@@ -13,7 +13,7 @@ from tests.helpers.paths import ROOT
 PARTS = ("plant_models/seat", "src/seat_controller_fmu")
 """Folders of the models that the blocks join."""
 
-_MODELS = ("plant_models", "plant_models/shaker", "plant_models/truck", *PARTS, "seat_blocks")
+_MODELS = ("plant_models", "plant_models/driver", "plant_models/shaker", "plant_models/truck", *PARTS, "seat_blocks")
 
 FOLDERS = ("fmus", "fmus/native", *_MODELS)
 """Folders of the C code; an FMU has the files of several of them in one folder."""
@@ -26,8 +26,10 @@ STANDARD = re.compile(r"fmi[23]\w+\.h")
 
 HELPERS = {
     "actuator",
+    "body",
     "floor",
     "friction",
+    "motion",
     "noise",
     "platform",
     "profiles",
@@ -35,22 +37,23 @@ HELPERS = {
     "recording",
     "replay",
     "road",
+    "runge_kutta",
     "sensors",
     "smooth_step",
     "vehicle",
 }
-MODELS = {"seat.h", "shaker.h", "truck.h"}
+MODELS = {"driver.h", "seat.h", "shaker.h", "truck.h"}
 
 FILES = sorted(path for folder in FOLDERS for suffix in ("*.c", "*.h") for path in (ROOT / folder).glob(suffix))
 
 
 def includes(path: Path) -> list[Path]:
-    """Return the files of the project that a file includes, from its own folder or the folder of shared headers."""
+    """Return the files of the project that a file includes, from its own folder or the folders of shared headers."""
     found = []
     for name in re.findall(r'^#include "(.+)"', path.read_text(encoding="utf-8"), re.MULTILINE):
         if name in GENERATED or STANDARD.fullmatch(name):
             continue
-        folders = [path.parent, path.parent.parent, ROOT / "fmus"]
+        folders = [path.parent, path.parent.parent, ROOT / "fmus", ROOT / "plant_models/driver"]
         folders += [ROOT / part for part in PARTS if path.parent.name == "seat_blocks"]
         candidates = [folder / name for folder in folders]
         found.append(next(path for path in candidates if path.is_file()))

@@ -36,7 +36,7 @@ STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshado
 KERNELS = sorted(
     {str(path.relative_to(ROOT)) for c in COMPONENTS for path in kernel_files(c.module) if path.suffix == ".c"}
 )
-SHARED = ("fmus", "plant_models", "plant_models/seat", "src/seat_controller_fmu")
+SHARED = ("fmus", "plant_models", "plant_models/driver", "plant_models/seat", "src/seat_controller_fmu")
 INCLUDES = [f"-I{ROOT / folder}" for folder in SHARED]
 """Where headers lie that several models include; the blocks include those of their parts."""
 
@@ -142,6 +142,8 @@ STATE_SCALES = {
         "masses.driver_displacement": 0.05,
         "masses.driver_velocity": 0.5,
         "masses.friction": 2e-4,
+        "masses.upper_displacements": 0.05,
+        "masses.upper_velocities": 0.5,
         "floor.displacement": 0.05,
         "floor.velocity": 0.5,
         "floor.acceleration": 2.0,
@@ -154,6 +156,7 @@ STATE_SCALES = {
         "actuator.target": 100.0,
         "actuator.force": 100.0,
     },
+    "SeatedDriver": {"displacements": 0.05, "velocities": 0.5},
     "Shaker": {"modes": 0.1, "platform_displacement": 0.02, "platform_velocity": 0.3, "platform_acceleration": 1.0},
     "TruckCab": {
         "front.begin": 0.03,
