@@ -48,7 +48,7 @@ const char *active_seat_prepare(const active_seat_parameters *parameters, active
     const double samples = floor(parameters->inner_step_size / h + sample_tolerance);
     const char *problem = seat_controller_prepare(&of_controller, &coefficients->controller);
     coefficients->interval = parameters->inner_step_size > 0.0 ? (samples > 1.0 ? samples : 1.0) * h : 0.0;
-    return problem != NULL ? problem : seat_plant_prepare(&parameters->seat, &coefficients->seat);
+    return problem != NULL ? problem : prepare_seat(&parameters->seat, &coefficients->seat);
 }
 
 const char *active_seat_warning(const active_seat_parameters *parameters)

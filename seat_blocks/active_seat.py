@@ -34,7 +34,7 @@ from seat_blocks.interface import (
     seat_inputs,
     seat_signals,
 )
-from seat_blocks.parts import end_of_part
+from seat_blocks.parts import end_of_part, prepare_seat
 from seat_controller_fmu import controller
 from seat_controller_fmu.interface import Inputs as ControllerInputs
 from seat_controller_fmu.interface import Parameters as ControllerParameters
@@ -165,7 +165,7 @@ def prepare(parameters: ActiveParameters) -> Coefficients:
     samples = max(1.0, math.floor(p.inner_step_size / SAMPLE_TIME.value + SAMPLE_TOLERANCE))
     return Coefficients(
         controller.prepare(controller_parameters(p.controller, p.seat)),
-        seat.prepare(p.seat),
+        prepare_seat(p.seat),
         samples * SAMPLE_TIME.value if p.inner_step_size > 0.0 else 0.0,
     )
 

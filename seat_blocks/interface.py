@@ -15,11 +15,14 @@ from seat_controller_fmu import interface as controller
 
 _FLOOR = ("floor_displacement", "floor_velocity", "floor_acceleration")
 
+_NOT_IN_BLOCKS = ("force", "actuator.force_limit", "driver_force")
+"""What a seat has and its block has not, or what is zero there at the start."""
+
 
 def _of_seat(name: str) -> Any:
-    """Declare an output of the seat; at the start the force is zero, and nothing depends on it."""
+    """Declare an output of the seat; at the start no force acts on it, and nothing depends on one."""
     (declared,) = [variable for variable in variables_of(seat.Outputs) if variable.field == name]
-    knowns = [known for known in declared.dependencies if known not in ("force", "actuator.force_limit")]
+    knowns = [known for known in declared.dependencies if known not in _NOT_IN_BLOCKS]
     return same_as(seat.Outputs, name, dependencies=[known if known in _FLOOR else f"seat.{known}" for known in knowns])
 
 
@@ -54,6 +57,8 @@ class SeatSignals:
         z_s and z_b, in m, from static equilibrium.
     friction_force
         f_r (35), in N; acts on the seat as -f_r.
+    head_acceleration
+        Of the driver's head, in m/s2; that of the driver where it is one mass.
     """
 
     driver_acceleration: float = _of_seat("driver_acceleration")
@@ -64,6 +69,7 @@ class SeatSignals:
     seat_displacement: float = _of_seat("seat_displacement")
     driver_displacement: float = _of_seat("driver_displacement")
     friction_force: float = _of_seat("friction_force")
+    head_acceleration: float = _of_seat("head_acceleration")
 
 
 def seat_signals(outputs: seat.Outputs) -> SeatSignals:
@@ -88,6 +94,7 @@ def seat_signals(outputs: seat.Outputs) -> SeatSignals:
         outputs.seat_displacement,
         outputs.driver_displacement,
         outputs.friction_force,
+        outputs.head_acceleration,
     )
 
 

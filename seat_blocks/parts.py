@@ -1,7 +1,10 @@
-"""The parts of a communication step between which a block's law and its seat exchange values."""
+"""What the blocks share: their seat, and the parts of a step between which a law and its seat exchange values."""
 
 from __future__ import annotations
 
+from fmus.component import ParameterError
+from plant_models.seat import seat
+from plant_models.seat.interface import DriverModel, Parameters
 from seat_controller_fmu.sampling import SAMPLE_TOLERANCE, next_exchange
 
 
@@ -33,3 +36,29 @@ def end_of_part(time: float, begin: float, step_size: float, interval: float) ->
         return step_size
     end = next_exchange(time + begin, interval) - time
     return end if end < step_size - SAMPLE_TOLERANCE * interval else step_size
+
+
+def prepare_seat(parameters: Parameters) -> seat.Coefficients:
+    """Derive the coefficients of a block's seat.
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the seat.
+
+    Returns
+    -------
+    plant_models.seat.seat.Coefficients
+        For its functions.
+
+    Raises
+    ------
+    ParameterError
+        If the driver is external, for which a block has no port, or as by the seat.
+    """
+    if parameters.driver_model == DriverModel.external:
+        raise ParameterError(
+            "seat.driver.model: expected lumped or seated, got external, for which a block has no port; "
+            "SeatPlant has one"
+        )
+    return seat.prepare(parameters)

@@ -1,9 +1,11 @@
 /* A passive seat in one block; see passive_seat.py. */
 #include "passive_seat.h"
 
+#include "parts.h"
+
 const char *passive_seat_prepare(const passive_seat_parameters *parameters, passive_seat_coefficients *coefficients)
 {
-    return seat_plant_prepare(&parameters->seat, coefficients);
+    return prepare_seat(&parameters->seat, coefficients);
 }
 
 const char *passive_seat_warning(const passive_seat_parameters *parameters)

@@ -16,6 +16,7 @@ from seat_blocks.interface import (
     seat_inputs,
     seat_signals,
 )
+from seat_blocks.parts import prepare_seat
 
 
 def prepare(parameters: PassiveParameters) -> seat.Coefficients:
@@ -36,7 +37,7 @@ def prepare(parameters: PassiveParameters) -> seat.Coefficients:
     ParameterError
         As by the seat.
     """
-    return seat.prepare(parameters.seat)
+    return prepare_seat(parameters.seat)
 
 
 def initialize(inputs: Inputs, coefficients: seat.Coefficients, time: float) -> tuple[seat.State, PassiveOutputs]:

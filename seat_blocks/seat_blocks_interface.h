@@ -17,6 +17,7 @@ typedef struct {
     double deflection_rate;                            /* in m/s */
     double seat_displacement, driver_displacement;     /* z_s, z_b in m */
     double friction_force;                             /* f_r (35) in N, acts on the seat as -f_r */
+    double head_acceleration;                          /* of the driver's head in m/s2 */
 } seat_signals;
 
 typedef seat_block_inputs passive_seat_inputs;
@@ -63,14 +64,15 @@ static inline seat_signals seat_signals_of(const seat_plant_outputs *outputs)
     signals.seat_displacement = outputs->seat_displacement;
     signals.driver_displacement = outputs->driver_displacement;
     signals.friction_force = outputs->friction_force;
+    signals.head_acceleration = outputs->head_acceleration;
     return signals;
 }
 
-/* Return the inputs of a seat without a force of an actuator. */
+/* Return the inputs of a seat without forces from outside. */
 static inline seat_plant_inputs seat_inputs_of(const seat_block_inputs *inputs)
 {
     const seat_plant_inputs of_seat = {inputs->floor_displacement, inputs->floor_velocity, inputs->floor_acceleration,
-                                       0.0};
+                                       0.0, 0.0};
     return of_seat;
 }
 

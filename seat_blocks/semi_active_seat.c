@@ -16,7 +16,7 @@ const char *semi_active_seat_prepare(const semi_active_seat_parameters *paramete
     coefficients->law = skyhook_prepare(&p->damper, p->sample_time);
     coefficients->damper = actuator_prepare(0.0, 0.0, p->damper.time_constant);
     of_seat.suspension_damping = p->damper.maximum;
-    return seat_plant_prepare(&of_seat, &coefficients->seat);
+    return prepare_seat(&of_seat, &coefficients->seat);
 }
 
 const char *semi_active_seat_warning(const semi_active_seat_parameters *parameters)

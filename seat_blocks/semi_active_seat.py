@@ -28,7 +28,7 @@ from seat_blocks.interface import (
     seat_inputs,
     seat_signals,
 )
-from seat_blocks.parts import end_of_part
+from seat_blocks.parts import end_of_part, prepare_seat
 from seat_blocks.skyhook import SkyhookCoefficients, SkyhookState
 from seat_controller_fmu.parameters import SAMPLE_TIME
 
@@ -97,7 +97,7 @@ def prepare(parameters: SemiActiveParameters) -> Coefficients:
     return Coefficients(
         skyhook.prepare(p.damper),
         actuator.prepare(0.0, 0.0, p.damper.time_constant),
-        seat.prepare(replace(p.seat, suspension_damping=p.damper.maximum)),
+        prepare_seat(replace(p.seat, suspension_damping=p.damper.maximum)),
     )
 
 
