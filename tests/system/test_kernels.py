@@ -179,9 +179,8 @@ PARTS = {
 
 def scale_of(component: Component, field: str) -> float:
     """Scale of a state, which in a block is that of one of its parts."""
-    scales = STATE_SCALES.get(component.name, {})
-    if field in scales or component.name in ("SeatController", "SeatPlant", "Shaker"):
-        return scales[field]
+    if component.name not in BLOCKS or component.name == "PassiveSeat":
+        return STATE_SCALES[component.name.replace("PassiveSeat", "SeatPlant")][field]
     part, _, inner = field.partition(".") if field.partition(".")[0] in PARTS else ("", "", field)
     return PARTS[part][inner]
 
