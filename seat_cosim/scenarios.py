@@ -210,7 +210,15 @@ def _connect(system: System, floor: str) -> None:
 
 
 def components_of(system: Structure, model: str) -> list[str]:
-    """Return the names of a system's components that are of a model, such as ``SeatPlant``."""
+    """Return the names of a system's components that are of a model.
+
+    Parameters
+    ----------
+    system
+        The system.
+    model
+        Name of the model, such as ``SeatPlant``.
+    """
     return [name for name, each in system.models.items() if each.description.modelName == model]
 
 

@@ -352,7 +352,8 @@ def test_c_and_python_compute_the_same(component: Component, what: str, count: i
     )
     assert (refused == [one is None for one in expected]).all()
     accepted = refused == 0
-    assert refusals < (0.9 if component.name == "ActiveSeat" else 0.7) * count  # both parts have to accept theirs
+    # of blocks both parts have to accept theirs, and a third of the drivers is external, which has no port
+    assert refusals < (0.95 if component.name == "ActiveSeat" else 0.8 if component.name in BLOCKS else 0.7) * count
     outputs = [i for i, v in enumerate(component.variables) if v.causality == "output"]
     differences = [
         largest_difference(states[accepted], np.array([one[0] for one in expected if one])),
