@@ -1,6 +1,6 @@
 /* A recording's memory through the life of instances: prepared anew, refused, saved, restored, reset, freed in any
- * state. Takes the paths of a good and of a wrong file, and the names of the parameters for profile and path; a sanitizer
- * looks for leaks. Returns the number of the line that failed. */
+ * state. Takes the paths of a good and of a wrong file, and the names of the parameters for profile and path; a
+ * sanitizer looks for leaks. Returns the number of the line that failed. */
 #include "api.h"
 
 #include <string.h>
