@@ -343,8 +343,8 @@ static int check_rows(const reader_t *reader, const recording_samples *samples)
     for (size_t i = 0; i < count; ++i) {
         const double step = samples->axis[i + 1] - samples->axis[i];
         if (step < min_step) {
-            return report_error(reader, (long)i + 3, "expected a step of at least %g %s, got %.10g %s", min_step,
-                                unit, step, unit);
+            return report_error(reader, (long)i + 3, "expected a step of at least %g %s, got %.10g %s", min_step, unit,
+                                step, unit);
         }
         if (step > max_gap * median) {
             return report_error(reader, (long)i + 3,

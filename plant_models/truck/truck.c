@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Largest difference in s between a state and the time that the run has reached; allows for rounding errors of hosts. */
+/* Largest difference in s between a state and the time that the run has reached; allows for rounding errors of hosts.
+ */
 static const double clock_tolerance = 1.0;
 
 typedef truck_cab_coefficients coefficients_t;

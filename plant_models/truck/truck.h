@@ -19,8 +19,8 @@ typedef struct {
     vehicle_coefficients vehicle;
 } truck_cab_coefficients;
 
-/* Derive the coefficients; they own the memory of a road from a file until they are released. Returns NULL, or a message
- * about the parameters in terms of their names or about the file; then there is nothing to release. */
+/* Derive the coefficients; they own the memory of a road from a file until they are released. Returns NULL, or a
+ * message about the parameters in terms of their names or about the file; then there is nothing to release. */
 const char *truck_cab_prepare(const truck_cab_parameters *parameters, truck_cab_coefficients *coefficients);
 
 /* Free the memory of coefficients that are prepared or all zero. */

@@ -58,7 +58,8 @@ const char *vehicle_prepare(const truck_cab_parameters *p, coefficients_t *c)
     c->c_2 = p->rear_damping;
     c->substep = max_substep(c);
     if (!(c->substep >= min_substep_length)) {
-        return "expected a fastest motion below 50000 rad/s from the stiffnesses and dampings of cab mounts, suspensions "
+        return "expected a fastest motion below 50000 rad/s from the stiffnesses and dampings of cab mounts, "
+               "suspensions "
                "and tyres on the masses and inertias";
     }
     return NULL;
