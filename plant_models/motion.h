@@ -19,4 +19,12 @@ static inline double motion_velocity_at(const base_motion *motion, double tau)
     return motion->velocity + tau * motion->acceleration;
 }
 
+/* Return the same motion about the time tau seconds after the begin of the step. */
+static inline base_motion motion_from_time(const base_motion *motion, double tau)
+{
+    const base_motion later = {motion_displacement_at(motion, tau), motion_velocity_at(motion, tau),
+                               motion->acceleration};
+    return later;
+}
+
 #endif

@@ -29,3 +29,18 @@ class Motion(NamedTuple):
     def velocity_at(self, tau: float) -> float:
         """Return the velocity in m/s at ``tau`` seconds after the begin of the step."""
         return self.velocity + tau * self.acceleration
+
+    def from_time(self, tau: float) -> Motion:
+        """Return the same motion about a later time.
+
+        Parameters
+        ----------
+        tau
+            Time after the begin of the step, in s.
+
+        Returns
+        -------
+        Motion
+            Of the same acceleration.
+        """
+        return Motion(self.displacement_at(tau), self.velocity_at(tau), self.acceleration)

@@ -60,7 +60,8 @@ def fmu(name: str, flavour: str = DEFAULT_FLAVOUR) -> Path:
     Parameters
     ----------
     name
-        ``SeatController``, ``SeatPlant``, ``Shaker`` or ``SeatedDriver``.
+        ``SeatController``, ``SeatPlant``, ``Shaker``, ``ActiveSeat``, ``PassiveSeat``, ``SemiActiveSeat`` or
+        ``SeatedDriver``.
     flavour
         Name from :data:`fmus.FLAVOURS`.
 

@@ -172,6 +172,8 @@ def mode(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
     dict
         ``component.variable`` to value.
     """
+    from seat_blocks.active_seat import free_travel
+
     known = {
         parameter: parameters[source]
         for parameter, source in _TOLD.items()
@@ -180,7 +182,7 @@ def mode(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
     if "controller.travel" in known:  # the law knows one travel for both ways: the shorter one
         travel, height = known["controller.travel"], parameters.get("seat.end_stop.height", 0.0)
         if isinstance(travel, float) and isinstance(height, float):
-            known["controller.travel"] = max(0.0, travel - abs(height))
+            known["controller.travel"] = free_travel(travel, height)
     return {"controller.mode": name, **known}
 
 

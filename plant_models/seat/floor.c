@@ -43,9 +43,7 @@ floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs
     floor_motion node = {history->displacement, history->velocity, history->acceleration};
     floor_motion motion;
     if (age > 0.0 && age < min_interval) {
-        motion.displacement = motion_displacement_at(&node, age);
-        motion.velocity = motion_velocity_at(&node, age);
-        motion.acceleration = node.acceleration;
+        motion = motion_from_time(&node, age);
         history->age = age + step_size;
     } else {
         if (age > 0.0) {

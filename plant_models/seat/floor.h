@@ -2,8 +2,8 @@
 #ifndef FLOOR_H
 #define FLOOR_H
 
-#include "interface.h"
 #include "motion.h"
+#include "seat_interface.h"
 
 /* Motion z_v, z_v', z_v'' of the floor over one step. */
 typedef base_motion floor_motion;

@@ -128,7 +128,7 @@ def derive_motion(
         sampled = node = _next_sample(history, inputs, signals)
         interval = age
     else:
-        sampled = FloorMotion(node.displacement_at(age), node.velocity_at(age), node.acceleration)
+        sampled = node.from_time(age)
     # the correction takes as long as the deviation took to arise: in a short step after a long one it would be a jump
     correction = (sampled.displacement - start) / max(step_size, age)
     motion = FloorMotion(start, sampled.velocity + correction, sampled.acceleration)

@@ -7,7 +7,7 @@
 #include "body.h"
 #include "floor.h"
 #include "friction.h"
-#include "interface.h"
+#include "seat_interface.h"
 #include "sensors.h"
 
 /* Mechanical state: seat, driver and the friction between seat and floor. */
@@ -62,6 +62,16 @@ int seat_plant_is_valid_state(const seat_plant_state *state, const seat_plant_pa
 /* Set the state of rest in static equilibrium; a derived floor starts from the motion in the inputs. */
 void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inputs,
                            const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs);
+
+/* Extrapolate the floor over a communication step, as in floor.py; moves the history of the floor to its end. */
+floor_motion seat_plant_begin_step(seat_plant_state *state, const seat_plant_inputs *inputs,
+                                   const seat_plant_coefficients *coefficients, double step_size);
+
+/* Integrate (1)-(2) over a communication step, or a part of one, on a floor of known motion; the forces of the actuator
+ * and of an external driver are held. */
+void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force,
+                                 double driver_force, const seat_plant_coefficients *coefficients, double time,
+                                 double step_size, seat_plant_outputs *outputs);
 
 /* Integrate (1)-(2) over one communication step; the forces are held, the floor is extrapolated as in floor.py. */
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,

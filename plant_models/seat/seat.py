@@ -527,9 +527,9 @@ def prepare(parameters: Parameters) -> Coefficients:
     )
 
 
-def _push(inputs: Inputs, c: Coefficients) -> float:
-    """Return the force of an external driver in N."""
-    return inputs.driver_force if c.driver_model == DriverModel.external else 0.0
+def _push(driver_force: float, c: Coefficients) -> float:
+    """Return the force of an external driver in N, 0 with a driver inside."""
+    return driver_force if c.driver_model == DriverModel.external else 0.0
 
 
 def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, Outputs]:
@@ -553,10 +553,80 @@ def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple
     """
     c, rest, motion = coefficients, Masses(0.0, 0.0, 0.0, 0.0, 0.0), floor.motion_from_inputs(inputs)
     actuator_state = actuator.initialize(inputs.force, c.actuator)
-    outputs = _evaluate_outputs(rest, motion, actuator_state.force, _push(inputs, c), 0.0, c)
+    outputs = _evaluate_outputs(rest, motion, actuator_state.force, _push(inputs.driver_force, c), 0.0, c)
     filtered = FilteredSignals(outputs.seat_acceleration, outputs.suspension_deflection)
     state = State(rest, FloorHistory(*motion), filtered, actuator_state)
     return state, _add_measurements(outputs, filtered, c, time)
+
+
+def begin_step(state: State, inputs: Inputs, coefficients: Coefficients, step_size: float) -> tuple[State, FloorMotion]:
+    """Extrapolate the floor over a communication step, as described in :mod:`plant_models.seat.floor`.
+
+    Parameters
+    ----------
+    state
+        State at the begin of the step.
+    inputs
+        Floor at the begin of the step; the forces are not used.
+    coefficients
+        Coefficients from :func:`prepare`.
+    step_size
+        Communication step size, in s.
+
+    Returns
+    -------
+    state : State
+        With the history of the floor at the end of the step.
+    motion : FloorMotion
+        Of the floor over the step.
+    """
+    if coefficients.floor_signals == FloorSignals.all:
+        return state, floor.motion_from_inputs(inputs)
+    motion, history = floor.derive_motion(state.floor, inputs, coefficients.floor_signals, step_size)
+    return state._replace(floor=history), motion
+
+
+def advance_on_floor(
+    state: State,
+    motion: FloorMotion,
+    force: float,
+    coefficients: Coefficients,
+    time: float,
+    step_size: float,
+    driver_force: float = 0.0,
+) -> tuple[State, Outputs]:
+    """Integrate (1)-(2) over a communication step, or a part of one, on a floor of known motion.
+
+    Parameters
+    ----------
+    state
+        State at the begin, from :func:`begin_step`.
+    motion
+        Motion of the floor from the begin on.
+    force
+        Force input, in N, held.
+    coefficients
+        Coefficients from :func:`prepare`.
+    time
+        Begin, in s; only the delay of the actuator and the noise of the sensors depend on it.
+    step_size
+        Duration, in s.
+    driver_force
+        Force of an external driver, in N, held; not used with a driver inside.
+
+    Returns
+    -------
+    state : State
+        At the end.
+    outputs : Outputs
+        At the end.
+    """
+    c = coefficients
+    actuator_state = actuator.command(state.actuator, force, c.actuator, time)
+    push = _push(driver_force, c)
+    state = _integrate_spans(state._replace(actuator=actuator_state), motion, push, time, step_size, c)
+    outputs = _evaluate_outputs(state.masses, motion, state.actuator.force, push, step_size, c)
+    return state, _add_measurements(outputs, state.filtered, c, time + step_size)
 
 
 def advance(
@@ -585,16 +655,8 @@ def advance(
     outputs : Outputs
         At the end of the step, with the extrapolated floor.
     """
-    c, history = coefficients, state.floor
-    if c.floor_signals == FloorSignals.all:
-        motion = floor.motion_from_inputs(inputs)
-    else:
-        motion, history = floor.derive_motion(history, inputs, c.floor_signals, step_size)
-    actuator_state = actuator.command(state.actuator, inputs.force, c.actuator, time)
-    push = _push(inputs, c)
-    state = _integrate_spans(state._replace(floor=history, actuator=actuator_state), motion, push, time, step_size, c)
-    outputs = _evaluate_outputs(state.masses, motion, state.actuator.force, push, step_size, c)
-    return state, _add_measurements(outputs, state.filtered, c, time + step_size)
+    state, motion = begin_step(state, inputs, coefficients, step_size)
+    return advance_on_floor(state, motion, inputs.force, coefficients, time, step_size, inputs.driver_force)
 
 
 def is_valid_state(state: State, parameters: Parameters, time: float) -> bool:

@@ -25,8 +25,8 @@ def info(file: str) -> None:
     That is: variables with units, ranges and start values; components and connections; values; how a run was made.
 
     \b
-    Without a suffix: SeatController, SeatPlant, Shaker, SeatedDriver, SeatSuspension or SeatSuspension-fmi3 of this
-    project, or a parameter set (load, passive, prototype, ride).
+    Without a suffix: SeatController, SeatPlant, Shaker, ActiveSeat, PassiveSeat, SemiActiveSeat, SeatedDriver,
+    SeatSuspension or SeatSuspension-fmi3 of this project, or a parameter set (load, passive, prototype, ride).
     Examples:
       seat-cosim info SeatController
       seat-cosim info SeatSuspension

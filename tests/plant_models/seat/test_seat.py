@@ -151,7 +151,7 @@ def test_the_floor_carries_the_inertia_of_seat_and_driver(imperfections: dict[st
 
 
 def test_a_floor_that_rises_is_pushed_down_and_one_that_accelerates_is_not():
-    """At rest the spring alone answers, with -k_f z_v, and the actuator's force with -u: no dependence on z_v''."""
+    """At rest the spring answers with -k_f z_v and the actuator with -u, whatever z_v'' is."""
     c = prepare(Parameters())
     still = initialize(Inputs(floor_displacement=0.01, force=20.0), c, 0.0)[1]
     jerked = initialize(Inputs(floor_displacement=0.01, floor_acceleration=5.0, force=20.0), c, 0.0)[1]
