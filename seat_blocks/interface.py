@@ -15,8 +15,8 @@ from seat_controller_fmu import interface as controller
 
 _FLOOR = ("floor_displacement", "floor_velocity", "floor_acceleration")
 
-_NOT_IN_BLOCKS = ("force", "actuator.force_limit", "driver_force")
-"""What a seat has and its block has not, or what is zero there at the start."""
+_NOT_IN_BLOCKS = ("force", "actuator.force_limit", "driver_force", "driver.model")
+"""Forces that a block has not, or that are zero at the start, and what decides on them."""
 
 
 def _of_seat(name: str) -> Any:
@@ -99,7 +99,7 @@ def seat_signals(outputs: seat.Outputs) -> SeatSignals:
 
 
 def seat_inputs(inputs: Inputs) -> seat.Inputs:
-    """Return the inputs of a seat without a force of an actuator.
+    """Return the inputs of a seat without a force of an actuator or of an external driver.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
-/* The seated body: four masses in a chain above the seat, the C twin of body.py, which has the equations and the sources
- * of the numbers. Sequences run upwards: pelvis and thighs, lower torso, chest and upper torso, head and neck. */
+/* The seated body: four masses in a chain above the seat, the C twin of body.py, which has the equations and the
+ * sources of the numbers. Sequences run upwards: pelvis and thighs, lower torso, chest and upper torso, head and neck. */
 #ifndef BODY_H
 #define BODY_H
 

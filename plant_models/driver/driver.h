@@ -4,7 +4,7 @@
 #define DRIVER_H
 
 #include "body.h"
-#include "interface.h"
+#include "driver_interface.h"
 
 /* Pelvis and thighs, lower torso, chest and upper torso, head and neck, in m and m/s. */
 typedef struct {

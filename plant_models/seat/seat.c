@@ -150,9 +150,9 @@ static void seated_substep(masses_t *masses, const floor_motion *motion, double 
     }
 }
 
-/* Take one step of classical Runge-Kutta over the four mechanical states of two masses, friction in closed form at every
- * stage. The substep begins tau seconds after the begin of the step and has the length h in s. The force in N is linear
- * between its ends. `side` is the end stop that is in contact over the substep. */
+/* Take one step of classical Runge-Kutta over the four mechanical states of two masses, friction in closed form at
+ * every stage. The substep begins tau seconds after the begin of the step and has the length h in s. The force in N is
+ * linear between its ends. `side` is the end stop that is in contact over the substep. */
 static void substep(masses_t *masses, const floor_motion *motion, double first, double last, double side, double tau,
                     double h, const coefficients_t *c)
 {
@@ -307,8 +307,8 @@ static void substep_with_contact(masses_t *masses, const floor_motion *motion, d
     take_substeps(masses, motion, begin, length, 1.0, first, last, side, c);
 }
 
-/* Integrate over a span of the step, in s since its begin, in which the target of the actuator is constant; `push` is the
- * force of an external driver in N. */
+/* Integrate over a span of the step, in s since its begin, in which the target of the actuator is constant; `push` is
+ * the force of an external driver in N. */
 static void integrate_span(state_t *state, const floor_motion *motion, double push, double begin, double end,
                            const coefficients_t *c)
 {
@@ -433,10 +433,10 @@ int seat_plant_is_valid_state(const seat_plant_state *state, const seat_plant_pa
     return actuator_is_valid_state(&state->actuator);
 }
 
-/* Return the force of an external driver in N. */
-static double push_of(const seat_plant_inputs *inputs, const coefficients_t *c)
+/* Return the force of an external driver in N, 0 with a driver inside. */
+static double push_of(double driver_force, const coefficients_t *c)
 {
-    return c->driver_model == SEAT_PLANT_EXTERNAL ? inputs->driver_force : 0.0;
+    return c->driver_model == SEAT_PLANT_EXTERNAL ? driver_force : 0.0;
 }
 
 void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inputs,
@@ -449,8 +449,8 @@ void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inp
     state->floor.velocity = motion.velocity;
     state->floor.acceleration = motion.acceleration;
     actuator_initialize(&state->actuator, inputs->force, &coefficients->actuator);
-    evaluate_outputs(&state->masses, &motion, state->actuator.force, push_of(inputs, coefficients), 0.0, coefficients,
-                     outputs);
+    const double push = push_of(inputs->driver_force, coefficients);
+    evaluate_outputs(&state->masses, &motion, state->actuator.force, push, 0.0, coefficients, outputs);
     state->filtered.acceleration = outputs->seat_acceleration;
     state->filtered.deflection = outputs->suspension_deflection;
     add_measurements(state, coefficients, time, outputs);
@@ -464,16 +464,17 @@ floor_motion seat_plant_begin_step(seat_plant_state *state, const seat_plant_inp
                                      : floor_derive_motion(&state->floor, inputs, signals, step_size);
 }
 
-void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force, double push,
-                                 const seat_plant_coefficients *coefficients, double time, double step_size,
-                                 seat_plant_outputs *outputs)
+void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force,
+                                 double driver_force, const seat_plant_coefficients *coefficients, double time,
+                                 double step_size, seat_plant_outputs *outputs)
 {
     const double count = runge_kutta_substep_count(step_size, coefficients->substep);
+    const double push = push_of(driver_force, coefficients);
     actuator_command(&state->actuator, force, &coefficients->actuator, time);
     if (coefficients->single_span && state->actuator.line_length == 0.0) {
         state->actuator.force = state->actuator.target;
-        const double sum = state->actuator.force + push;
-        take_substeps(&state->masses, motion, 0.0, step_size / count, count, sum, sum, 0.0, coefficients);
+        const double both = state->actuator.force + push;
+        take_substeps(&state->masses, motion, 0.0, step_size / count, count, both, both, 0.0, coefficients);
     } else {
         integrate_spans(state, motion, push, time, step_size, coefficients);
     }
@@ -486,6 +487,6 @@ void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs
                         seat_plant_outputs *outputs)
 {
     const floor_motion motion = seat_plant_begin_step(state, inputs, coefficients, step_size);
-    seat_plant_advance_on_floor(state, &motion, inputs->force, push_of(inputs, coefficients), coefficients, time,
-                                step_size, outputs);
+    seat_plant_advance_on_floor(state, &motion, inputs->force, inputs->driver_force, coefficients, time, step_size,
+                                outputs);
 }

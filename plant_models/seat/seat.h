@@ -67,11 +67,11 @@ void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inp
 floor_motion seat_plant_begin_step(seat_plant_state *state, const seat_plant_inputs *inputs,
                                    const seat_plant_coefficients *coefficients, double step_size);
 
-/* Integrate (1)-(2) over a communication step, or a part of one, on a floor of known motion; the force
- * in N and the push of an external driver in N are held. */
-void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force, double push,
-                                 const seat_plant_coefficients *coefficients, double time, double step_size,
-                                 seat_plant_outputs *outputs);
+/* Integrate (1)-(2) over a communication step, or a part of one, on a floor of known motion; the forces of the actuator
+ * and of an external driver are held. */
+void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force,
+                                 double driver_force, const seat_plant_coefficients *coefficients, double time,
+                                 double step_size, seat_plant_outputs *outputs);
 
 /* Integrate (1)-(2) over one communication step; the forces are held, the floor is extrapolated as in floor.py. */
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,

@@ -527,9 +527,9 @@ def prepare(parameters: Parameters) -> Coefficients:
     )
 
 
-def _push(inputs: Inputs, c: Coefficients) -> float:
-    """Return the force of an external driver in N."""
-    return inputs.driver_force if c.driver_model == DriverModel.external else 0.0
+def _push(driver_force: float, c: Coefficients) -> float:
+    """Return the force of an external driver in N, 0 with a driver inside."""
+    return driver_force if c.driver_model == DriverModel.external else 0.0
 
 
 def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, Outputs]:
@@ -553,7 +553,7 @@ def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple
     """
     c, rest, motion = coefficients, Masses(0.0, 0.0, 0.0, 0.0, 0.0), floor.motion_from_inputs(inputs)
     actuator_state = actuator.initialize(inputs.force, c.actuator)
-    outputs = _evaluate_outputs(rest, motion, actuator_state.force, _push(inputs, c), 0.0, c)
+    outputs = _evaluate_outputs(rest, motion, actuator_state.force, _push(inputs.driver_force, c), 0.0, c)
     filtered = FilteredSignals(outputs.seat_acceleration, outputs.suspension_deflection)
     state = State(rest, FloorHistory(*motion), filtered, actuator_state)
     return state, _add_measurements(outputs, filtered, c, time)
@@ -567,7 +567,7 @@ def begin_step(state: State, inputs: Inputs, coefficients: Coefficients, step_si
     state
         State at the begin of the step.
     inputs
-        Floor at the begin of the step; the force is not used.
+        Floor at the begin of the step; the forces are not used.
     coefficients
         Coefficients from :func:`prepare`.
     step_size
@@ -593,7 +593,7 @@ def advance_on_floor(
     coefficients: Coefficients,
     time: float,
     step_size: float,
-    push: float = 0.0,
+    driver_force: float = 0.0,
 ) -> tuple[State, Outputs]:
     """Integrate (1)-(2) over a communication step, or a part of one, on a floor of known motion.
 
@@ -611,8 +611,8 @@ def advance_on_floor(
         Begin, in s; only the delay of the actuator and the noise of the sensors depend on it.
     step_size
         Duration, in s.
-    push
-        Force of an external driver, in N, held.
+    driver_force
+        Force of an external driver, in N, held; not used with a driver inside.
 
     Returns
     -------
@@ -623,6 +623,7 @@ def advance_on_floor(
     """
     c = coefficients
     actuator_state = actuator.command(state.actuator, force, c.actuator, time)
+    push = _push(driver_force, c)
     state = _integrate_spans(state._replace(actuator=actuator_state), motion, push, time, step_size, c)
     outputs = _evaluate_outputs(state.masses, motion, state.actuator.force, push, step_size, c)
     return state, _add_measurements(outputs, state.filtered, c, time + step_size)
@@ -655,8 +656,7 @@ def advance(
         At the end of the step, with the extrapolated floor.
     """
     state, motion = begin_step(state, inputs, coefficients, step_size)
-    push = _push(inputs, coefficients)
-    return advance_on_floor(state, motion, inputs.force, coefficients, time, step_size, push)
+    return advance_on_floor(state, motion, inputs.force, coefficients, time, step_size, inputs.driver_force)
 
 
 def is_valid_state(state: State, parameters: Parameters, time: float) -> bool:
