@@ -103,7 +103,7 @@ class Parameters:
     road_profile: Profile = parameter(Profile.iso8608, "Profile of the road", name="road.profile")
     road_class: RoadClass = parameter(
         RoadClass.C,
-        "Class of the random road in ISO 8608: Gd(0.1 cycle/m) = 16, 64, 256, 1024, 4096 mm3, waviness 2",
+        "Class of the random road in ISO 8608: Gd(0.1 cycle/m) = 16, 64, 256, 1024, 4096 cm3, waviness 2",
         name="road.class",
     )
     road_seed: int = parameter(

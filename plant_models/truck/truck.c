@@ -46,6 +46,7 @@ void truck_cab_initialize(truck_cab_state *state, const truck_cab_inputs *inputs
     static const vehicle_road flat;
     *state = rest;
     state->start = time;
+    state->seat_force = inputs->seat_force;
     state->front = state->rear = road_before();
     vehicle_outputs(&still, &flat, inputs->seat_force, &coefficients->vehicle, outputs);
 }
@@ -69,6 +70,7 @@ void truck_cab_advance(truck_cab_state *state, const truck_cab_inputs *inputs, c
     const double elapsed = time - state->start, needed = ceil(step_size / c->vehicle.substep - 1e-6);
     const double count = needed > 1.0 ? needed : 1.0;
     const double h = step_size / count;
+    const double before = state->seat_force, change = inputs->seat_force - state->seat_force;
     vehicle_motion motion;
     vehicle_road roads[3];
     for (int i = 0; i < VEHICLE_DEGREES; ++i) {
@@ -79,12 +81,15 @@ void truck_cab_advance(truck_cab_state *state, const truck_cab_inputs *inputs, c
     for (double index = 0.0; index < count; index += 1.0) {
         roads[1] = drive(state, elapsed + (index + 0.5) * h, c);
         roads[2] = drive(state, elapsed + (index + 1.0) * h, c);
-        vehicle_substep(&motion, h, roads, inputs->seat_force, &c->vehicle);
+        const double forces[3] = {before + change * (index / count), before + change * ((index + 0.5) / count),
+                                  before + change * ((index + 1.0) / count)};
+        vehicle_substep(&motion, h, roads, forces, &c->vehicle);
         roads[0] = roads[2];
     }
     for (int i = 0; i < VEHICLE_DEGREES; ++i) {
         state->displacements[i] = motion.z[i];
         state->velocities[i] = motion.v[i];
     }
+    state->seat_force = inputs->seat_force;
     vehicle_outputs(&motion, &roads[0], inputs->seat_force, &c->vehicle, outputs);
 }

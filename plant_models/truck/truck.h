@@ -9,6 +9,7 @@
 
 typedef struct {
     double start;           /* time at which the front axle is at the begin of the road */
+    double seat_force;      /* at the end of the last step, in N */
     road_track front, rear; /* road under the axles */
     double displacements[VEHICLE_DEGREES], velocities[VEHICLE_DEGREES];
 } truck_cab_state;
@@ -37,7 +38,8 @@ int truck_cab_is_valid_state(const truck_cab_state *state, const truck_cab_param
 void truck_cab_initialize(truck_cab_state *state, const truck_cab_inputs *inputs,
                           const truck_cab_coefficients *coefficients, double time, truck_cab_outputs *outputs);
 
-/* Integrate the equations of motion over one communication step; the force of the seat is held. */
+/* Integrate the equations of motion over one communication step; the force of the seat changes linearly from the
+ * last input to this one. */
 void truck_cab_advance(truck_cab_state *state, const truck_cab_inputs *inputs,
                        const truck_cab_coefficients *coefficients, double time, double step_size,
                        truck_cab_outputs *outputs);

@@ -1,7 +1,9 @@
 """The truck: the motion of the cab floor of a two-axle heavy truck, which drives over a road at constant speed.
 
-The front axle is at the begin of the road at the start time. The force of the seat is held over a step. Road and
-vehicle have modules of their own.
+The front axle is at the begin of the road at the start time. Over a step the force of the seat changes linearly from the
+input of the step before to that of this one: in a master that steps the seat before the truck these are the forces at
+begin and end of the step, and the energy that leaves the seat reaches the cab. Road and vehicle have modules of their
+own.
 """
 
 from __future__ import annotations
@@ -25,6 +27,8 @@ class State(NamedTuple):
     ----------
     start
         Time at which the front axle is at the begin of the road, in s.
+    seat_force
+        Force of the seat at the end of the last step, in N.
     front, rear
         Road under the axles.
     displacements, velocities
@@ -32,6 +36,7 @@ class State(NamedTuple):
     """
 
     start: float
+    seat_force: float
     front: Track
     rear: Track
     displacements: Annotated[tuple[float, ...], vehicle.DEGREES]
@@ -111,7 +116,7 @@ def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple
     outputs : Outputs
         At the start.
     """
-    state = State(time, BEFORE, BEFORE, _REST, _REST)
+    state = State(time, inputs.seat_force, BEFORE, BEFORE, _REST, _REST)
     return state, vehicle.outputs(_REST, _REST, (0.0, 0.0), inputs.seat_force, coefficients.vehicle)
 
 
@@ -125,7 +130,7 @@ def advance(
     state
         State at the begin of the step.
     inputs
-        Force of the seat at the begin of the step; it is held.
+        Force of the seat, which is reached at the end of the step.
     coefficients
         Coefficients from :func:`prepare`.
     time
@@ -141,6 +146,7 @@ def advance(
         At the end of the step.
     """
     c, force = coefficients, inputs.seat_force
+    before, change = state.seat_force, force - state.seat_force
     elapsed = time - state.start
     z, v = state.displacements, state.velocities
     count = max(1, math.ceil(step_size / c.vehicle.substep - 1e-6))
@@ -149,9 +155,14 @@ def advance(
     for index in range(count):
         tracks, middle = _drive(tracks, elapsed + (index + 0.5) * h, c)
         tracks, last = _drive(tracks, elapsed + (index + 1.0) * h, c)
-        z, v = vehicle.substep(z, v, h, (first, middle, last), force, c.vehicle)
+        forces = (
+            before + change * (index / count),
+            before + change * ((index + 0.5) / count),
+            before + change * ((index + 1.0) / count),
+        )
+        z, v = vehicle.substep(z, v, h, (first, middle, last), forces, c.vehicle)
         first = last
-    return State(state.start, *tracks, z, v), vehicle.outputs(z, v, first, force, c.vehicle)
+    return State(state.start, force, *tracks, z, v), vehicle.outputs(z, v, first, force, c.vehicle)
 
 
 def _is_valid_track(track: Track, distance: float, tolerance: float, parameters: Parameters) -> bool:

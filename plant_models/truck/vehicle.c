@@ -102,23 +102,23 @@ static void combine(double x[], double sixth, const double r_1[], const double r
     }
 }
 
-void vehicle_substep(vehicle_motion *motion, double h, const vehicle_road roads[3], double force,
+void vehicle_substep(vehicle_motion *motion, double h, const vehicle_road roads[3], const double forces[3],
                      const coefficients_t *c)
 {
     double *z = motion->z, *v = motion->v, stage[VEHICLE_DEGREES];
     double v_2[VEHICLE_DEGREES], v_3[VEHICLE_DEGREES], v_4[VEHICLE_DEGREES];
     double a[VEHICLE_DEGREES], a_2[VEHICLE_DEGREES], a_3[VEHICLE_DEGREES], a_4[VEHICLE_DEGREES];
     const double half = 0.5 * h, sixth = h / 6.0;
-    find_accelerations(z, v, &roads[0], force, c, a);
+    find_accelerations(z, v, &roads[0], forces[0], c, a);
     move(v, half, a, v_2);
     move(z, half, v, stage);
-    find_accelerations(stage, v_2, &roads[1], force, c, a_2);
+    find_accelerations(stage, v_2, &roads[1], forces[1], c, a_2);
     move(v, half, a_2, v_3);
     move(z, half, v_2, stage);
-    find_accelerations(stage, v_3, &roads[1], force, c, a_3);
+    find_accelerations(stage, v_3, &roads[1], forces[1], c, a_3);
     move(v, h, a_3, v_4);
     move(z, h, v_3, stage);
-    find_accelerations(stage, v_4, &roads[2], force, c, a_4);
+    find_accelerations(stage, v_4, &roads[2], forces[2], c, a_4);
     combine(z, sixth, v, v_2, v_3, v_4);
     combine(v, sixth, a, a_2, a_3, a_4);
 }

@@ -29,9 +29,9 @@ typedef struct {
 /* Derive the coefficients. Returns NULL, or a message about the parameters in terms of their names. */
 const char *vehicle_prepare(const truck_cab_parameters *parameters, vehicle_coefficients *coefficients);
 
-/* Take one step of classical Runge-Kutta of a length in s, with the road at its begin, middle and end, and the force of
- * the seat in N. */
-void vehicle_substep(vehicle_motion *motion, double h, const vehicle_road roads[3], double force,
+/* Take one step of classical Runge-Kutta of a length in s, with the road and the force of the seat in N at its begin,
+ * middle and end. */
+void vehicle_substep(vehicle_motion *motion, double h, const vehicle_road roads[3], const double forces[3],
                      const vehicle_coefficients *coefficients);
 
 /* Evaluate the outputs. */

@@ -200,7 +200,12 @@ def _combined(x: Motion, sixth: float, rates: tuple[Motion, Motion, Motion, Moti
 
 
 def substep(
-    z: Motion, v: Motion, h: float, roads: tuple[tuple[float, float], ...], force: float, c: Coefficients
+    z: Motion,
+    v: Motion,
+    h: float,
+    roads: tuple[tuple[float, float], ...],
+    forces: tuple[float, float, float],
+    c: Coefficients,
 ) -> tuple[Motion, Motion]:
     """Take one step of classical Runge-Kutta.
 
@@ -212,8 +217,8 @@ def substep(
         Length of the substep, in s.
     roads
         Elevation under front and rear axle at begin, middle and end of the substep, in m.
-    force
-        Force of the seat, in N.
+    forces
+        Force of the seat at the same times, in N.
     c
         Coefficients from :func:`prepare`.
 
@@ -223,14 +228,15 @@ def substep(
         At the end of the substep.
     """
     first, middle, last = roads
+    f_1, f_2, f_3 = forces
     half = 0.5 * h
-    a = _accelerations(z, v, first, force, c)
+    a = _accelerations(z, v, first, f_1, c)
     v_2 = _moved(v, half, a)
-    a_2 = _accelerations(_moved(z, half, v), v_2, middle, force, c)
+    a_2 = _accelerations(_moved(z, half, v), v_2, middle, f_2, c)
     v_3 = _moved(v, half, a_2)
-    a_3 = _accelerations(_moved(z, half, v_2), v_3, middle, force, c)
+    a_3 = _accelerations(_moved(z, half, v_2), v_3, middle, f_2, c)
     v_4 = _moved(v, h, a_3)
-    a_4 = _accelerations(_moved(z, h, v_3), v_4, last, force, c)
+    a_4 = _accelerations(_moved(z, h, v_3), v_4, last, f_3, c)
     sixth = h / 6.0
     return _combined(z, sixth, (v, v_2, v_3, v_4)), _combined(v, sixth, (a, a_2, a_3, a_4))
 

@@ -159,6 +159,7 @@ STATE_SCALES = {
     "SeatedDriver": {"displacements": 0.05, "velocities": 0.5},
     "Shaker": {"modes": 0.1, "platform_displacement": 0.02, "platform_velocity": 0.3, "platform_acceleration": 1.0},
     "TruckCab": {
+        "seat_force": 100.0,
         "front.begin": 0.03,
         "front.end": 0.03,
         "rear.begin": 0.03,

@@ -20,6 +20,9 @@ from plant_models.truck.vehicle import MAX_SUBSTEP
 
 TRUCK = Parameters()
 M = matrices(TRUCK)
+STILL = (0.0, 0.0, 0.0)
+"""No force of the seat over a substep."""
+
 FLAT = ((0.0, 0.0),) * 3
 RADIANS = [2 * math.pi * mode.frequency * MAX_SUBSTEP for mode in modes(TRUCK)]
 """|s| h of each mode."""
@@ -70,7 +73,7 @@ def decay(start: np.ndarray, h: float, steps: int) -> np.ndarray:
     z, v = tuple(start[:6]), tuple(start[6:])
     rows = []
     for _ in range(steps):
-        z, v = vehicle.substep(z, v, h, FLAT, 0.0, c)
+        z, v = vehicle.substep(z, v, h, FLAT, STILL, c)
         rows.append([*z, *v])
     return np.array(rows)
 
@@ -116,6 +119,24 @@ def test_a_force_on_the_floor_acts_as_the_matrices_say(step: float):
     assert outputs.floor_displacement == pytest.approx(force * M.D @ np.linalg.solve(M.K, M.D), rel=1e-4)
 
 
+@pytest.mark.parametrize("step", [0.002, 0.007])
+def test_a_force_is_linear_between_the_communication_points(step: float):
+    """First-order hold: x' = A x + b F(t) with F linear from the last input to this one, by one matrix exponential."""
+    c = prepare(Parameters(road_profile=Profile.bump, obstacle_height=0.0))
+    forces = 400.0 * np.sin(9.0 * step * np.arange(401))
+    state, _ = initialize(Inputs(seat_force=float(forces[0])), c, 0.0)
+    b = np.concatenate([np.zeros(6), np.linalg.solve(M.M, M.D)])
+    held = np.zeros((14, 14))  # of x, F and F'
+    held[:12, :12], held[:12, 12], held[12, 13] = state_matrix(M), b, 1.0
+    transition, x, largest = expm(held * step), np.zeros(12), 0.0
+    for k, (before, force) in enumerate(zip(forces, forces[1:], strict=False)):
+        state, outputs = advance(state, Inputs(seat_force=float(force)), c, k * step, step)
+        x = (transition @ np.concatenate([x, [before, (force - before) / step]]))[:12]
+        largest = max(largest, abs(M.D @ x[:6]))
+        assert outputs.floor_displacement == pytest.approx(M.D @ x[:6], abs=20.0 * RK4 * max(largest, 1e-6))
+    assert largest > 1e-3
+
+
 @pytest.mark.parametrize("frequency", [0.7, 1.24, 2.12, 4.0, 8.7, 10.1])
 def test_the_response_to_a_sine_road_is_that_of_the_matrices(frequency: float):
     """Both axles on a sine, the rear one later by the wheelbase.
@@ -132,7 +153,7 @@ def test_the_response_to_a_sine_road_is_that_of_the_matrices(frequency: float):
     h, settled, steps = MAX_SUBSTEP, 4500, 5000
     rows = []
     for k in range(steps):
-        z, v = vehicle.substep(z, v, h, (at(k * h), at((k + 0.5) * h), at((k + 1) * h)), 0.0, c)
+        z, v = vehicle.substep(z, v, h, (at(k * h), at((k + 0.5) * h), at((k + 1) * h)), STILL, c)
         if k >= settled:
             out = vehicle.outputs(z, v, at((k + 1) * h), 0.0, c)
             rows.append(((k + 1) * h, out.floor_acceleration))
@@ -173,7 +194,7 @@ def test_the_energy_of_a_driven_floor_balances():
     z = v = (0.0,) * 6
     rows = [[*z, *v]]
     for _ in range(4000):
-        z, v = vehicle.substep(z, v, h, FLAT, force, c)
+        z, v = vehicle.substep(z, v, h, FLAT, (force,) * 3, c)
         rows.append([*z, *v])
     states = np.array(rows)
     rates = states[:, 6:]
