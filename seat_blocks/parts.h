@@ -1,4 +1,5 @@
-/* The parts of a communication step between which a block's law and its seat exchange values, the C twin of parts.py. */
+/* The parts of a communication step between which a block's law and its seat exchange values, the C twin of parts.py.
+ */
 #ifndef PARTS_H
 #define PARTS_H
 

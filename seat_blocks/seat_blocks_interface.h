@@ -11,12 +11,12 @@ typedef struct {
 
 /* Outputs that all blocks have. */
 typedef struct {
-    double driver_acceleration, seat_acceleration;     /* z_b'', z_s'' in m/s2 */
-    double suspension_deflection;                      /* z_s - z_v in m */
-    double floor_force;                                /* of the seat on the floor, in N */
-    double deflection_rate;                            /* in m/s */
-    double seat_displacement, driver_displacement;     /* z_s, z_b in m */
-    double friction_force;                             /* f_r (35) in N, acts on the seat as -f_r */
+    double driver_acceleration, seat_acceleration; /* z_b'', z_s'' in m/s2 */
+    double suspension_deflection;                  /* z_s - z_v in m */
+    double floor_force;                            /* of the seat on the floor, in N */
+    double deflection_rate;                        /* in m/s */
+    double seat_displacement, driver_displacement; /* z_s, z_b in m */
+    double friction_force;                         /* f_r (35) in N, acts on the seat as -f_r */
 } seat_signals;
 
 typedef seat_block_inputs passive_seat_inputs;

@@ -39,8 +39,7 @@ static void sample(skyhook_state *state, double acceleration, double deflection,
     const double a_before = state->started ? state->acceleration : acceleration;
     const double delta_before = state->started ? state->deflection : deflection;
     const double w = flush_subnormal((state->velocity + c->half_step * (acceleration + a_before)) / c->leak);
-    const double v =
-        flush_subnormal(filtered_rate(state->rate, delta_before, deflection, c->rate_decay, c->rate_gain));
+    const double v = flush_subnormal(filtered_rate(state->rate, delta_before, deflection, c->rate_decay, c->rate_gain));
     double damping = c->c_min;
     if (w * v > 0.0) {
         damping = c->c_sky * w / v;
