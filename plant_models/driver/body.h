@@ -1,5 +1,6 @@
 /* The seated body: four masses in a chain above the seat, the C twin of body.py, which has the equations and the
- * sources of the numbers. Sequences run upwards: pelvis and thighs, lower torso, chest and upper torso, head and neck. */
+ * sources of the numbers. Sequences run upwards: pelvis and thighs, lower torso, chest and upper torso, head and neck.
+ */
 #ifndef BODY_H
 #define BODY_H
 
@@ -62,8 +63,7 @@ static inline void body_accelerations(const double z[], const double v[], double
     double below = contact;
     for (int i = 0; i < BODY_MASSES; ++i) {
         const int top = i == BODY_MASSES - 1;
-        const double above =
-            top ? 0.0 : body->k[i + 1] * (z[i + 1] - z[i]) + body->c[i + 1] * (v[i + 1] - v[i]);
+        const double above = top ? 0.0 : body->k[i + 1] * (z[i + 1] - z[i]) + body->c[i + 1] * (v[i + 1] - v[i]);
         a[i] = (above - below) * body->per_mass[i];
         below = above;
     }

@@ -464,9 +464,9 @@ floor_motion seat_plant_begin_step(seat_plant_state *state, const seat_plant_inp
                                      : floor_derive_motion(&state->floor, inputs, signals, step_size);
 }
 
-void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force,
-                                 double driver_force, const seat_plant_coefficients *coefficients, double time,
-                                 double step_size, seat_plant_outputs *outputs)
+void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force, double driver_force,
+                                 const seat_plant_coefficients *coefficients, double time, double step_size,
+                                 seat_plant_outputs *outputs)
 {
     const double count = runge_kutta_substep_count(step_size, coefficients->substep);
     const double push = push_of(driver_force, coefficients);

@@ -33,12 +33,12 @@ typedef struct {
 
 /* Coefficients of the step, in the symbols of (1), (2) and (35). */
 typedef struct {
-    double per_m_s, per_m_b;   /* 1/m_s, 1/m_b in 1/kg */
-    double k_f, c_f;           /* suspension: stiffness in N/m, damping in N.s/m */
-    double k_c, c_c;           /* cushion, or contact of a seated driver; 0 with an external one */
-    int driver_model;          /* who sits on the seat */
-    body_coefficients body;    /* of a seated driver */
-    double alpha;              /* friction force per friction state in N/m */
+    double per_m_s, per_m_b; /* 1/m_s, 1/m_b in 1/kg */
+    double k_f, c_f;         /* suspension: stiffness in N/m, damping in N.s/m */
+    double k_c, c_c;         /* cushion, or contact of a seated driver; 0 with an external one */
+    int driver_model;        /* who sits on the seat */
+    body_coefficients body;  /* of a seated driver */
+    double alpha;            /* friction force per friction state in N/m */
     friction_coefficients friction;
     double substep;       /* longest Runge-Kutta substep in s */
     int floor_signals;    /* used floor inputs */
@@ -69,9 +69,9 @@ floor_motion seat_plant_begin_step(seat_plant_state *state, const seat_plant_inp
 
 /* Integrate (1)-(2) over a communication step, or a part of one, on a floor of known motion; the forces of the actuator
  * and of an external driver are held. */
-void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force,
-                                 double driver_force, const seat_plant_coefficients *coefficients, double time,
-                                 double step_size, seat_plant_outputs *outputs);
+void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force, double driver_force,
+                                 const seat_plant_coefficients *coefficients, double time, double step_size,
+                                 seat_plant_outputs *outputs);
 
 /* Integrate (1)-(2) over one communication step; the forces are held, the floor is extrapolated as in floor.py. */
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
