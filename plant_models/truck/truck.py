@@ -1,9 +1,9 @@
 """The truck: the motion of the cab floor of a two-axle heavy truck, which drives over a road at constant speed.
 
-The front axle is at the begin of the road at the start time. Over a step the force of the seat changes linearly from the
-input of the step before to that of this one: in a master that steps the seat before the truck these are the forces at
-begin and end of the step, and the energy that leaves the seat reaches the cab. Road and vehicle have modules of their
-own.
+The front axle is at the begin of the road at the start time. Over a step the force of the seat changes linearly from
+the input of the step before to that of this one: in a master that steps the seat before the truck these are the forces
+at begin and end of the step, and the energy that leaves the seat reaches the cab. Road and vehicle have modules of
+their own.
 """
 
 from __future__ import annotations

@@ -129,7 +129,7 @@ def test_a_force_is_linear_between_the_communication_points(step: float):
     held = np.zeros((14, 14))  # of x, F and F'
     held[:12, :12], held[:12, 12], held[12, 13] = state_matrix(M), b, 1.0
     transition, x, largest = expm(held * step), np.zeros(12), 0.0
-    for k, (before, force) in enumerate(zip(forces, forces[1:], strict=False)):
+    for k, (before, force) in enumerate(itertools.pairwise(forces)):
         state, outputs = advance(state, Inputs(seat_force=float(force)), c, k * step, step)
         x = (transition @ np.concatenate([x, [before, (force - before) / step]]))[:12]
         largest = max(largest, abs(M.D @ x[:6]))
