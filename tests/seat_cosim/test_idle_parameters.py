@@ -36,7 +36,7 @@ def sessions(seat: System, native: Path) -> Iterator[dict[str, tuple[System, Ses
     """Components to a system that has them, and its session."""
     driven = seat_suspension(native / "fmi2", TRUCK)
     with seat.open() as shaken, driven.open() as on_road:
-        yield {"controller": (seat, shaken), "shaker": (seat, shaken), "truck": (driven, on_road)}
+        yield {**dict.fromkeys(seat.models, (seat, shaken)), TRUCK: (driven, on_road)}
 
 
 def is_idle(name: str, system: System, choice: dict[str, str]) -> bool:
