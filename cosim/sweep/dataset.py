@@ -15,6 +15,7 @@ from typing import Any
 
 from cosim.errors import RunError, SetupError
 from cosim.results.file_sink import import_optional
+from cosim.results.folder_lock import LOCK
 from cosim.results.parquet import UNIT
 from cosim.sweep.plan import Column, ColumnKind, Rows
 
@@ -95,6 +96,12 @@ class Dataset:
             If the folder holds another sweep, and it is not to be removed.
         """
         earlier = read_manifest(self.folder)
+        others = [path.name for path in self.folder.iterdir() if path.name != LOCK] if earlier is None else []
+        if others and not force:
+            raise SetupError(
+                f"{self.folder}: expected a new folder, or that of a sweep, got one with {sorted(others)[0]}; "
+                "--force writes beside it"
+            )
         if earlier is not None and earlier.get("fingerprint") != self.about["fingerprint"]:
             if not force:
                 raise SetupError(self._difference(earlier))

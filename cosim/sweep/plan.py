@@ -152,6 +152,11 @@ class Plan:
     _record: dict[int, list[str]] = field(default_factory=dict, repr=False)
 
     @property
+    def metrics(self) -> tuple[str, ...]:
+        """Names of all metrics."""
+        return (*self._metrics, *self._functions)
+
+    @property
     def _vocabulary(self) -> Vocabulary:
         return self._study.vocabulary
 

@@ -17,7 +17,7 @@ from cosim.results.folder_lock import locked_folder
 from cosim.sweep.cluster import Cluster
 from cosim.sweep.dataset import STUDY, Dataset, read_columns
 from cosim.sweep.design import Design
-from cosim.sweep.plan import Batch, Plan, Rows, make_plan
+from cosim.sweep.plan import Batch, Column, Plan, Rows, make_plan
 from cosim.sweep.pool import Processes, WorkerDied, Workers
 from cosim.sweep.study import Study
 
@@ -75,6 +75,8 @@ class SweepResult:
         Time in s from the first batch to the last one.
     seconds, metrics
         Time in s that workers spent on runs, all together, and the part of it for metrics.
+    metric_columns
+        Columns of the table that are metrics.
     """
 
     folder: Path
@@ -86,6 +88,7 @@ class SweepResult:
     elapsed: float
     seconds: float
     metrics: float
+    metric_columns: Sequence[Column]
 
     def columns(self, names: Sequence[str] | None = None) -> dict[str, Any]:
         """Read the table.
@@ -250,7 +253,8 @@ def sweep(
         if not is_complete:
             dataset.complete(command=list(command), platform=platform.platform(), failed=failed, **totals.as_json())
     times = (totals.elapsed, totals.seconds, totals.metrics)
-    return SweepResult(folder, dataset.path, study.design.runs, resumed, failed, failures, *times)
+    metrics = [column for column in plan.columns if column.name in plan.metrics]
+    return SweepResult(folder, dataset.path, study.design.runs, resumed, failed, failures, *times, metrics)
 
 
 class _Totals:

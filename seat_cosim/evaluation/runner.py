@@ -19,7 +19,7 @@ import numpy as np
 
 from cosim.engine.session import Session
 from cosim.errors import CosimError, RunError, SetupError, SignalError
-from cosim.metrics import actuator, deflection_range, end_stops, impact_share, ride, seat_factor, weighted
+from cosim.metrics import actuator, deflection_range, end_stops, impact_share, ride, seat_factor, weighted, weighted_ride
 from cosim.metrics.samples import trim
 from cosim.results.result import Result
 from cosim.system import System
@@ -279,8 +279,9 @@ def measure(evaluated: EvaluatedSystem, result: Result, rate: float, warm_up: fl
     """
     signals = evaluated.signals
     samples = {name: evaluated.in_si_units(name, result[name]) for name in signals.outputs}
+    driver = weighted(samples[signals.seat_acceleration], rate, warm_up)
     found = RideResult(
-        seat=ride(samples[signals.seat_acceleration], rate, warm_up),
+        seat=weighted_ride(driver, rate),
         floor=ride(samples[signals.floor_acceleration], rate, warm_up),
     )
     seat_factor(found.seat, found.floor)
@@ -294,7 +295,6 @@ def measure(evaluated: EvaluatedSystem, result: Result, rate: float, warm_up: fl
         mean_deflection=float(remaining.mean()),
     )
     if (travel := evaluated.end_stop_travel) is not None:
-        driver = weighted(samples[signals.seat_acceleration], rate, warm_up)
         where = (travel, warm_up, evaluated.end_stop_height)
         found = replace(
             found,

@@ -143,13 +143,21 @@ class SeatVocabulary(Vocabulary):
         self, metrics: Sequence[str], system: System, result: Result, rate: float, warm_up: float
     ) -> dict[str, float | None]:
         """Compute the metrics of a ride by the evaluation's own functions."""
-        evaluated = EvaluatedSystem(system.name, system, self._signal_map(system))
+        evaluated = _Ridden(system.name, system, self._signal_map(system))
         found = _of_ride(measure(evaluated, result, rate, warm_up))
         if "peak_acceleration" in metrics:
             name = evaluated.signals.seat_acceleration
             driver = evaluated.in_si_units(name, result[name])
             found["peak_acceleration"] = peak(trim(driver, rate, warm_up, name=name))
         return {name: found[name] for name in metrics}
+
+
+class _Ridden(EvaluatedSystem):
+    """A system after a run, which has checked its parameters: they are not checked again for each metric."""
+
+    def _number(self, name: str) -> float:
+        value = self.system.parameters.get(name)
+        return self.system.start(name) if value is None else float(value)  # type: ignore[arg-type]  # a number
 
 
 def _is_name(name: str, folder: Path) -> bool:
