@@ -19,7 +19,6 @@ from time import monotonic
 from typing import Any, Generic, Protocol, TypeVar
 
 from cosim.errors import CosimError, RunError, SetupError
-from cosim.fmi.temporary_folders import PREFIX
 from cosim.manifest import package_versions, sha256
 from cosim.results.file_sink import import_optional
 from cosim.sweep.loaded import LoadedSystem
@@ -173,7 +172,7 @@ _tasks: dict[str, tuple[MovableTask, LoadedSystem]] = {}
 def cache_folder() -> Path:
     """Return the folder of this user in which a worker keeps FMUs and files by their hashes."""
     user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
-    return Path(tempfile.gettempdir(), f"{PREFIX}cache-{user}")
+    return Path(tempfile.gettempdir(), f"cosim-cache-{user}")
 
 
 def receive(
