@@ -38,9 +38,13 @@ class MovableTask(Protocol):
     """A task that says which files it needs."""
 
     fingerprint: str
-    versions: Mapping[str, str]
 
-    def __call__(self, loaded: LoadedSystem, job: Any, /) -> Any: ...
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Packages that the results depend on, and their versions."""
+
+    def __call__(self, loaded: LoadedSystem, job: Any, /) -> Any:
+        """Do a job."""
 
     def assets(self) -> Mapping[str, tuple[str, bytes]]:
         """Return SHA-256 of each file to its suffix and bytes."""

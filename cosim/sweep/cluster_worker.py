@@ -1,4 +1,4 @@
-"""What a Dask cluster keeps for its workers: each gets the task when it joins, also one that takes a lost one's place."""
+"""What a Dask cluster keeps for its workers: each gets the task when it joins the cluster."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from distributed import WorkerPlugin
 from cosim.sweep.cluster import forget, receive
 
 
-class SendTask(WorkerPlugin):
+class SendTask(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
     """Brings a task and its files to each worker.
 
     Parameters

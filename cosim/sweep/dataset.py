@@ -119,7 +119,11 @@ class Dataset:
     def _difference(self, earlier: Mapping[str, Any]) -> str:
         """Say how an earlier sweep differs."""
         before = earlier.get("versions", {})
-        changed = [f"{name} {v}, before {before.get(name)}" for name, v in self.about["versions"].items() if before.get(name) != v]
+        changed = [
+            f"{name} {v}, before {before.get(name)}"
+            for name, v in self.about["versions"].items()
+            if before.get(name) != v
+        ]
         if earlier.get("study") != self.about["study"]:
             what = "another study"
         elif changed:

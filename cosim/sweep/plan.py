@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 
 from cosim.engine.editing import edit
 from cosim.engine.run_options import RunOptions
-from cosim.errors import CosimError, Problems, SetupError, did_you_mean, prefixed
+from cosim.errors import CosimError, Problems, SetupError, did_you_mean
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.values import Scalar, Value
 from cosim.fmi.variable_types import KINDS
@@ -238,7 +238,9 @@ class Plan:
             else:
                 given[name] = value
         system = self.systems[tuple(sorted(fmus.items()))]
-        given = {name: self.files.get(value, value) if isinstance(value, str) else value for name, value in given.items()}
+        given = {
+            name: self.files.get(value, value) if isinstance(value, str) else value for name, value in given.items()
+        }
         parameters = self._vocabulary.parameters(words, given, system)
         for name, value in point.items():
             for target in self._variables[name].scales:
@@ -414,7 +416,7 @@ def make_plan(study: Study) -> Plan:
 
 def _systems(study: Study) -> dict[tuple[tuple[str, str], ...], System]:
     """Make the system of each combination of FMUs."""
-    choices = {REPLACE + component: (fmu,) for component, fmu in study.replace.items()}
+    choices: dict[str, tuple[str, ...]] = {REPLACE + component: (fmu,) for component, fmu in study.replace.items()}
     for name, variable in study.design.variables.items():
         if name.startswith(REPLACE) and not variable.targets:
             if not isinstance(variable.domain, Values):
@@ -509,23 +511,20 @@ def _files(study: Study, system: System) -> dict[str, str]:
 
 def _check_corners(plan: Plan, study: Study) -> None:
     """Check each value of each variable, and both ends of ranges, with the others as in the first run."""
-    problems = Problems()
-    corners = [("", study.design.point(0)), *study.design.corners()]
-    for name, point in corners:
-        with problems.collected(), prefixed(f"vary {name}") if name else _nothing():
+    found: dict[str, tuple[str, ...]] = {}
+    for name, point in [*study.design.corners()] or [("", study.design.point(0))]:
+        try:
             case = plan.case(point)
             case.options.check(case.system)
-    found = list(dict.fromkeys(problems.found))
-    general = {text for text in found if not text.startswith("vary ")}
-    own = [text for text in found if text in general or not any(text.endswith(each) for each in general)]
-    if own:
-        raise SetupError(*own)
-
-
-def _nothing() -> Any:
-    from contextlib import nullcontext
-
-    return nullcontext()
+            found[name] = ()
+        except SetupError as error:
+            found[name] = error.problems
+    everywhere = set.intersection(*map(set, found.values()))
+    problems = list(dict.fromkeys(problem for each in found.values() for problem in each if problem in everywhere))
+    for name, each in found.items():
+        problems += [f"vary {name}: {problem}" for problem in each if problem not in everywhere]
+    if problems:
+        raise SetupError(*problems)
 
 
 def _columns(plan: Plan, study: Study, system: System) -> Iterator[Column]:
@@ -550,7 +549,12 @@ def _check_columns(plan: Plan) -> None:
     """Check that the columns have different names."""
     names = [column.name for column in plan.columns]
     if twice := sorted({name for name in names if names.count(name) > 1}):
-        raise SetupError(*(f"{name}: expected one column of this name, got two; name the variable otherwise, and what it sets" for name in twice))
+        raise SetupError(
+            *(
+                f"{name}: expected one column of this name, got two; name the variable otherwise, and what it sets"
+                for name in twice
+            )
+        )
 
 
 def _kind(variable: Variable) -> ColumnKind:

@@ -56,13 +56,13 @@ class WorkerDied:
         self.how = how
 
 
-class Workers(Protocol[Job, Found]):
+class Workers(Protocol[Job, _Found]):
     """What does jobs: processes of this machine, or a cluster."""
 
     count: int
     """Number of jobs that it does at the same time."""
 
-    def run(self, take: Callable[[], Job | None]) -> Iterator[tuple[Job, Found | WorkerDied]]:
+    def run(self, take: Callable[[], Job | None]) -> Iterator[tuple[Job, _Found | WorkerDied]]:
         """Do jobs.
 
         Parameters
@@ -175,8 +175,8 @@ class Processes(Generic[Job, Found]):
                 busy[connection] = job
             if not busy:
                 return
-            for connection in wait(list(busy)):
-                assert isinstance(connection, Connection)
+            ready = set(wait(list(busy)))
+            for connection in [each for each in busy if each in ready]:
                 job = busy.pop(connection)
                 found: Any
                 try:

@@ -16,7 +16,7 @@ import numpy as np
 from cosim.engine.structure import ALGORITHMS, Algorithm
 from cosim.errors import Problems, SetupError, did_you_mean
 from cosim.fmi.values import Scalar
-from cosim.sweep.design import DESIGNS, SCALES, Block, Design, Range, Values, Variable
+from cosim.sweep.design import DESIGNS, SCALES, Block, Design, Range, Scale, Values, Variable
 from cosim.sweep.table_reader import TableReader, list_of, number, one_of, scalar, table, table_of, text, truth, whole
 from cosim.sweep.vocabulary import Vocabulary
 
@@ -210,7 +210,7 @@ def _read_study(
     reader: TableReader, data: Mapping[str, Any], vocabulary: Vocabulary, problems: Problems, where: str
 ) -> dict[str, Any]:
     """Read the keys of a study; returns fields of :class:`Study`."""
-    given = {
+    given: dict[str, Any] = {
         "name": reader.take("name", text, "", required=True),
         "system": reader.take("system", text, "", required=True),
         "question": reader.take("question", text, ""),
@@ -249,7 +249,7 @@ def _read_block(data: Mapping[str, Any], where: str, problems: Problems) -> Bloc
     if samples and design != "samples":
         reader.add(f"samples: expected with design samples, got design {design}")
     known = {name: Values(tuple(dict.fromkeys(s[name] for s in samples if name in s))) for s in samples for name in s}
-    texts = reader.take("variables", table, {}, required=not samples)
+    texts: dict[str, Any] = reader.take("variables", table, {}, required=not samples and design != "samples")
     reader.close()
     variables = {name: Variable(domain) for name, domain in known.items()}
     for name, spec in texts.items():
@@ -277,7 +277,8 @@ def _read_variable(spec: Any, where: str, problems: Problems, known: Values | No
     values = reader.take("values", list_of(scalar), None)
     spaced = {form: reader.take(form, list_of(number, 3), None) for form in ("linspace", "logspace")}
     low, high = reader.take("low", number, None), reader.take("high", number, None)
-    scale, integer = reader.take("scale", one_of(*SCALES), "linear"), reader.take("integer", truth, False)
+    scale: Scale = reader.take("scale", one_of(*SCALES), "linear")
+    integer = reader.take("integer", truth, False)
     acting = {key: reader.take(key, list_of(text), ()) for key in ("sets", "scales", "adds")}
     unit = reader.take("unit", text, None)
     reader.close()
@@ -293,7 +294,7 @@ def _read_variable(spec: Any, where: str, problems: Problems, known: Values | No
         return Variable(Values((0.0,)))
     if known is not None:
         return Variable(known, **acting, unit=unit)
-    if low is not None:
+    if low is not None and high is not None:
         return Variable(Range(low, high, scale, integer), **acting, unit=unit)
     return Variable(Values(values if values is not None else _spaced(spaced)), **acting, unit=unit)
 

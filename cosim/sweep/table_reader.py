@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from typing import Any
 
 from cosim.errors import Problems, did_you_mean
 from cosim.fmi.values import Scalar
-
-T = TypeVar("T")
 
 Kind = Callable[[Any], Any]
 """Converts a value of TOML; raises :class:`TypeError` with what was expected."""
@@ -119,7 +117,7 @@ class TableReader:
     def __contains__(self, key: str) -> bool:
         return key in self._data
 
-    def take(self, key: str, kind: Kind, default: T, required: bool = False) -> Any | T:
+    def take(self, key: str, kind: Kind, default: Any, required: bool = False) -> Any:
         """Return the value of a key.
 
         Parameters

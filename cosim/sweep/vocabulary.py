@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -95,13 +95,13 @@ class Vocabulary:
     A vocabulary travels to the workers; what it reads from files, it reads in :meth:`load`.
     """
 
-    words: Mapping[str, str] = {}
+    words: ClassVar[Mapping[str, str]] = {}
     """Choice, which a study fixes or varies by this name, to its unit; empty where it has none."""
 
-    metrics: Mapping[str, str] = {}
+    metrics: ClassVar[Mapping[str, str]] = {}
     """Metric to its unit, ``"1"`` where it has none."""
 
-    figures: tuple[str, ...] = ()
+    figures: ClassVar[tuple[str, ...]] = ()
     """Names of the figures that a study may ask for."""
 
     def system_file(self, name: str, folder: Path) -> Path:
@@ -160,9 +160,7 @@ class Vocabulary:
         """
         return None
 
-    def parameters(
-        self, words: Mapping[str, Scalar], given: Mapping[str, Value], system: System
-    ) -> dict[str, Value]:
+    def parameters(self, words: Mapping[str, Scalar], given: Mapping[str, Value], system: System) -> dict[str, Value]:
         """Return all parameters of a run.
 
         Parameters

@@ -17,7 +17,16 @@ import numpy as np
 
 from cosim.engine.session import Session
 from cosim.errors import CosimError, RunError, SetupError, SignalError
-from cosim.metrics import actuator, deflection_range, end_stops, impact_share, ride, seat_factor, weighted, weighted_ride
+from cosim.metrics import (
+    actuator,
+    deflection_range,
+    end_stops,
+    impact_share,
+    ride,
+    seat_factor,
+    weighted,
+    weighted_ride,
+)
 from cosim.metrics.samples import trim
 from cosim.results.result import Result
 from cosim.sweep.loaded import LoadedSystem
@@ -182,9 +191,7 @@ class _Tests(NamedTuple):
         return ride_class(evaluated, excitation_class, self.protocol, session)
 
 
-def ride_class(
-    evaluated: EvaluatedSystem, excitation_class: str, protocol: Protocol, session: Session
-) -> ClassResults:
+def ride_class(evaluated: EvaluatedSystem, excitation_class: str, protocol: Protocol, session: Session) -> ClassResults:
     """Run the rides of all drivers on one class.
 
     Parameters

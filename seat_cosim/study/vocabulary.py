@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.values import Scalar, Value
@@ -43,7 +43,7 @@ _OF_ACTUATOR = {"force_rms": "N", "driving_power": "W", "saturated_share": "1"}
 class SeatVocabulary(Vocabulary):
     """Choices of :mod:`seat_cosim.choices` and a scenario; the metrics of an evaluation."""
 
-    words = {
+    words: ClassVar[dict[str, str]] = {
         "scenario": "",
         "mode": "",
         "gains": "",
@@ -52,7 +52,7 @@ class SeatVocabulary(Vocabulary):
         "parameter_sets": "",
         "driver_mass": "kg",
     }
-    metrics = {**_OF_RIDE, **_OF_SUSPENSION, **_OF_ACTUATOR}
+    metrics: ClassVar[dict[str, str]] = {**_OF_RIDE, **_OF_SUSPENSION, **_OF_ACTUATOR}
     figures = ("masses", "tolerance", "mismatch", "imperfections", "pareto")
 
     def __init__(self) -> None:
@@ -94,7 +94,7 @@ class SeatVocabulary(Vocabulary):
         return SCENARIOS[str(words["scenario"])].stop_time if "scenario" in words else None
 
     def parameters(self, words: Mapping[str, Scalar], given: Mapping[str, Value], system: System) -> dict[str, Value]:
-        """Return the parameters of a run: those of the scenario, then the choices in their order, then what is given."""
+        """Return the parameters of the scenario, of the choices in their order, and what is given; later ones win."""
         scenario = _scenario(words["scenario"]) if "scenario" in words else {}
         return scenario | choices.parameters(words, given, system, {**system.parameters, **scenario}, self._read)
 
@@ -129,7 +129,7 @@ class SeatVocabulary(Vocabulary):
         known = self._signals.get(id(system.models))
         if known is None:
             given, outputs = seat_signals(), set(system.outputs())
-            optional = {
+            optional: dict[str, Any] = {
                 name: getattr(given, name) if getattr(given, name) in outputs else None
                 for name in ("suspension_deflection", "actuator_force")
             }
