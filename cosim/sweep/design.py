@@ -34,7 +34,7 @@ class Values:
     Attributes
     ----------
     values
-        At least one, each once.
+        At least one; each once, unless they stand side by side with those of other variables.
     """
 
     values: tuple[Scalar, ...]
@@ -42,9 +42,8 @@ class Values:
     def __post_init__(self) -> None:
         """Check the values."""
         object.__setattr__(self, "values", tuple(self.values))
-        distinct = {(type(value), value) for value in self.values}
-        if not self.values or len(distinct) < len(self.values):
-            raise SetupError(f"values: expected each once, got {', '.join(map(str, self.values)) or 'none'}")
+        if not self.values:
+            raise SetupError("values: expected at least one, got none")
 
     def at(self, shares: np.ndarray[Any, Any]) -> list[Scalar]:
         """Return the values at shares from 0 to 1 of the list; each has the same share.
@@ -198,6 +197,10 @@ class Block:
             yield (
                 f"{ranges[0]}: expected a list of values, or linspace or logspace, in design {self.design}, got a range"
             )
+        for name, each in self.variables.items():
+            values = each.domain.extremes
+            if self.design != "list" and len({(type(value), value) for value in values}) < len(values):
+                yield f"{name}: expected each value once, got {', '.join(map(str, values))}"
         lengths = {len(each.domain.values) for each in self.variables.values() if isinstance(each.domain, Values)}
         if self.design == "list" and len(lengths) > 1:
             yield f"variables: expected lists of one length, got {', '.join(map(str, sorted(lengths)))} values"

@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 
 from cosim.engine.editing import edit
 from cosim.engine.run_options import RunOptions
-from cosim.errors import CosimError, Problems, SetupError, did_you_mean
+from cosim.errors import CosimError, Problems, SetupError, did_you_mean, listed
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.values import Scalar, Value
 from cosim.fmi.variable_types import KINDS
@@ -520,11 +520,12 @@ def _check_corners(plan: Plan, study: Study) -> None:
         except SetupError as error:
             found[name] = error.problems
     everywhere = set.intersection(*map(set, found.values()))
-    problems = list(dict.fromkeys(problem for each in found.values() for problem in each if problem in everywhere))
+    places: dict[str, list[str]] = {}
     for name, each in found.items():
-        problems += [f"vary {name}: {problem}" for problem in each if problem not in everywhere]
-    if problems:
-        raise SetupError(*problems)
+        for problem in each:
+            places.setdefault(problem, []).append(name)
+    if places:
+        raise SetupError(*(p if p in everywhere else f"vary {listed(names, 3)}: {p}" for p, names in places.items()))
 
 
 def _columns(plan: Plan, study: Study, system: System) -> Iterator[Column]:

@@ -28,9 +28,9 @@ def test_a_grid_has_all_combinations_and_its_last_variable_varies_fastest():
 
 
 def test_a_list_takes_values_side_by_side():
-    assert points(Block(variables(a=Values((1.0, 2.0)), b=Values(("x", "y"))), "list")) == [
+    assert points(Block(variables(a=Values((1.0, 2.0)), b=Values(("x", "x"))), "list")) == [
         {"a": 1.0, "b": "x"},
-        {"a": 2.0, "b": "y"},
+        {"a": 2.0, "b": "x"},
     ]
 
 
@@ -84,8 +84,8 @@ def test_a_point_does_not_depend_on_which_others_are_asked_for():
 @pytest.mark.parametrize(
     ("block", "message"),
     [
-        (lambda: Values(()), "values: expected each once, got none"),
-        (lambda: Values((1.0, 1.0)), "values: expected each once, got 1.0, 1.0"),
+        (lambda: Values(()), "values: expected at least one, got none"),
+        (lambda: Block(variables(a=Values((1.0, 1.0)))), "a: expected each value once, got 1.0, 1.0"),
         (lambda: Range(2.0, 1.0), "range: expected finite low < high, got 2.0 and 1.0"),
         (lambda: Range(0.0, 1.0, "log"), "range: expected low above 0 for scale log, got 0.0 and 1.0"),
         (lambda: Range(0.5, 2.0, integer=True), "range: expected whole numbers, got 0.5 and 2.0"),

@@ -109,7 +109,7 @@ variables.a = { sets = ["cab.u", "first.u"] }
         ("[[vary]]\ndesgin = 'grid'\nvariables.a = [1]", "vary, block 1: expected keys among .* got desgin .did you"),
         ("[[vary]]", "vary, block 1: expected a key variables, got none"),
         ("[[vary]]\nvariables.a = 3", "vary, block 1: a: expected a list of values or a table, got 3"),
-        ("[[vary]]\nvariables.a = []", "vary, block 1: a: values: expected each once, got none"),
+        ("[[vary]]\nvariables.a = []", "vary, block 1: a: values: expected at least one, got none"),
         ("[[vary]]\nvariables.a = {}", "a: expected one of the keys values, linspace, logspace, low, got none"),
         ("[[vary]]\nvariables.a = { values = [1], low = 1, high = 2 }", "expected one of the keys .*, got values, low"),
         ("[[vary]]\nvariables.a = { low = 1 }", "expected both low and high, got low alone"),
