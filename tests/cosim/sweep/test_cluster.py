@@ -88,3 +88,12 @@ def test_a_plan_moves_to_a_machine_that_has_none_of_its_files(faulty_folder: Pat
     assert {model.content() for s in located.systems.values() for model in s.models.values()} == {
         model.content() for s in plan.systems.values() for model in s.models.values()
     }
+
+
+@pytest.mark.long
+def test_a_run_that_brings_workers_down_is_a_row_on_a_cluster_too(faulty_folder: Path, tmp_path: Path):
+    given = study(faulty_folder, "segfault", vary=[grid(seat__strikes_at=(9.0, 0.5, 8.0))])
+    result = sweep(given, tmp_path / "out", workers=2)
+    assert [index for index, _ in result.failures] == [1]
+    assert "a worker of the cluster, more often than Dask allows" in result.failures[0][1]
+    assert result.columns()["final(seat.y)"][[0, 2]].tolist() == [3.0, 3.0]
