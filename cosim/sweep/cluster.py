@@ -53,7 +53,13 @@ class MovableTask(Protocol):
         """Return the task with hashes in the place of paths."""
 
     def located(self, folder: Path) -> MovableTask:
-        """Return the same with paths in a folder of assets."""
+        """Return the same with paths in a folder of assets.
+
+        Parameters
+        ----------
+        folder
+            The folder.
+        """
 
 
 class Cluster(Generic[Job, Found]):
@@ -134,6 +140,16 @@ class Cluster(Generic[Job, Found]):
 
     def run(self, take: Callable[[], Job | None]) -> Iterator[tuple[Job, Found | WorkerDied]]:
         """Do jobs, see :meth:`cosim.sweep.pool.Workers.run`; a job whose worker is lost is done by another one.
+
+        Parameters
+        ----------
+        take
+            Returns the next job; None where there is none at present.
+
+        Yields
+        ------
+        tuple
+            Each job with its result, as they end.
 
         Raises
         ------

@@ -31,9 +31,21 @@ class SendTask(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
         self.name = f"seat-cosim-{fingerprint}"
 
     def setup(self, worker: Any) -> None:
-        """Receive the task; called by Dask in each worker."""
+        """Receive the task; called by Dask in each worker.
+
+        Parameters
+        ----------
+        worker
+            Dask's worker.
+        """
         receive(*self._given)
 
     def teardown(self, worker: Any) -> None:
-        """Free the task's FMUs."""
+        """Free the task's FMUs.
+
+        Parameters
+        ----------
+        worker
+            Dask's worker.
+        """
         forget(self._given[0])

@@ -133,7 +133,7 @@ class Dataset:
         return f"{self.folder}: expected no sweep, or one of the same study, got {what}; --force removes it"
 
     def write_manifest(self, complete: bool, **more: Any) -> None:
-        """Write ``sweep.json``.
+        """Write the file ``sweep.json``, as a whole.
 
         Parameters
         ----------

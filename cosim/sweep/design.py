@@ -58,7 +58,7 @@ class Values:
 
     @property
     def extremes(self) -> tuple[Scalar, ...]:
-        """All values."""
+        """All values, in their order."""
         return self.values
 
 
@@ -112,7 +112,7 @@ class Range:
 
     @property
     def extremes(self) -> tuple[Scalar, ...]:
-        """Both ends."""
+        """Both ends of the range."""
         return (int(self.low), int(self.high)) if self.integer else (self.low, self.high)
 
 
@@ -223,7 +223,7 @@ class Block:
 
     @property
     def runs(self) -> int:
-        """Number of points."""
+        """Number of points of the block."""
         if self.n is not None:
             return self.n
         if self.design == "samples":
@@ -295,12 +295,12 @@ class Design:
 
     @property
     def runs(self) -> int:
-        """Number of runs."""
+        """Number of runs of the design."""
         return math.prod(block.runs for block in self.blocks)
 
     @property
     def variables(self) -> dict[str, Variable]:
-        """All variables."""
+        """Name of each variable to it."""
         return {name: each for block in self.blocks for name, each in block.variables.items()}
 
     def point(self, index: int) -> Point:

@@ -95,7 +95,7 @@ class Rows(NamedTuple):
 
     @property
     def runs(self) -> int:
-        """Number of runs."""
+        """Number of runs of the batch."""
         return len(self.columns[RUN])
 
     @property
@@ -105,7 +105,7 @@ class Rows(NamedTuple):
 
 
 class Case(NamedTuple):
-    """One run.
+    """One run of a study.
 
     Attributes
     ----------
@@ -349,7 +349,13 @@ class Plan:
 
 
 def sha256_of_path(path: str) -> str:
-    """Return the hash of a file, with its suffix."""
+    """Return the hash of a file, with its suffix.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
     return f"{sha256(Path(path))}{Path(path).suffix}"
 
 

@@ -10,9 +10,11 @@ import multiprocessing
 import os
 import pickle
 import signal
+import sys
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from cosim.errors import CosimError, RunError
@@ -63,7 +65,7 @@ class Workers(Protocol[Job, _Found]):
     """Number of jobs that it does at the same time."""
 
     def run(self, take: Callable[[], Job | None]) -> Iterator[tuple[Job, _Found | WorkerDied]]:
-        """Do jobs.
+        """Do jobs until there are none.
 
         Parameters
         ----------
@@ -98,7 +100,18 @@ class ThisProcess(Generic[Job, Found]):
         pass
 
     def run(self, take: Callable[[], Job | None]) -> Iterator[tuple[Job, Found | WorkerDied]]:
-        """Do jobs, see :meth:`Workers.run`."""
+        """Do jobs, see :meth:`Workers.run`.
+
+        Parameters
+        ----------
+        take
+            Returns the next job; None where there is none at present.
+
+        Yields
+        ------
+        tuple
+            Each job with its result, as they end.
+        """
         with LoadedSystem() as loaded:
             while (job := take()) is not None:
                 yield job, self._task(loaded, job)
@@ -121,12 +134,13 @@ class Processes(Generic[Job, Found]):
         self.count = count
         self._task = pickle.dumps(task, protocol=pickle.HIGHEST_PROTOCOL)
         self._workers: dict[Connection, multiprocessing.process.BaseProcess] = {}
+        self._starting: set[Connection] = set()
 
     def __enter__(self) -> Processes[Job, Found]:
         """Start the processes."""
         try:
-            for _ in range(self.count):
-                self._start()
+            for connection in [self._start() for _ in range(self.count)]:
+                self._send_task(connection)
         except BaseException:
             self._stop(gently=False)
             raise
@@ -139,11 +153,18 @@ class Processes(Generic[Job, Found]):
     def _start(self) -> Connection:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
-        process = context.Process(target=_work, args=(theirs, self._task))
-        process.start()
+        process = context.Process(target=_work, args=(theirs,))
+        with _without_missing_main():
+            process.start()
         theirs.close()  # so that its end is seen here
         self._workers[ours] = process
+        self._starting.add(ours)
         return ours
+
+    def _send_task(self, connection: Connection) -> None:
+        """Send the task, not as an argument of the process: that would wait without end for one that does not start."""
+        with suppress(OSError):  # a worker that has died is found when it is waited for
+            connection.send_bytes(self._task)
 
     def _stop(self, gently: bool) -> None:
         for connection, process in self._workers.items():
@@ -157,37 +178,65 @@ class Processes(Generic[Job, Found]):
                 process.join()
             process.close()
         self._workers.clear()
+        self._starting.clear()
 
     def run(self, take: Callable[[], Job | None]) -> Iterator[tuple[Job, Found | WorkerDied]]:
         """Do jobs, see :meth:`Workers.run`.
+
+        Parameters
+        ----------
+        take
+            Returns the next job; None where there is none at present.
+
+        Yields
+        ------
+        tuple
+            Each job with its result, as they end.
 
         Raises
         ------
         CosimError
             What a job raised.
+        RunError
+            If a worker does not start.
         """
-        idle, busy = list(self._workers), dict[Connection, Job]()
+        idle, busy = [each for each in self._workers if each not in self._starting], dict[Connection, Job]()
         while True:
             while idle and (job := take()) is not None:
                 connection = idle.pop()
                 with suppress(OSError):  # a worker that has died is found below
                     connection.send(job)
                 busy[connection] = job
-            if not busy:
+            if not busy and idle:  # there was no further job
                 return
-            ready = set(wait(list(busy)))
+            ready = set(wait([*busy, *self._starting]))
+            for connection in [each for each in self._starting if each in ready]:
+                self._has_started(connection)
+                idle.append(connection)
             for connection in [each for each in busy if each in ready]:
                 job = busy.pop(connection)
                 found: Any
                 try:
                     found = connection.recv()
+                    idle.append(connection)
                 except (EOFError, OSError, pickle.UnpicklingError):
                     found = self._died(connection)
-                    connection = self._start()
-                idle.append(connection)
+                    self._send_task(self._start())
                 if isinstance(found, BaseException):
                     raise found
                 yield job, found
+
+    def _has_started(self, connection: Connection) -> None:
+        """Receive the sign that a worker has the task."""
+        self._starting.discard(connection)
+        try:
+            connection.recv()
+        except (EOFError, OSError):
+            how = self._died(connection).how
+            raise RunError(
+                f"worker: expected a process that starts, got one that ended ({how}); a script must guard its main "
+                'part: if __name__ == "__main__":'
+            ) from None
 
     def _died(self, connection: Connection) -> WorkerDied:
         """Remove a worker whose connection has ended."""
@@ -202,12 +251,28 @@ class Processes(Generic[Job, Found]):
         return WorkerDied(f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}")
 
 
-def _work(connection: Connection, task: bytes) -> None:
+@contextmanager
+def _without_missing_main() -> Iterator[None]:
+    """Hide that the program came from standard input: a worker would look for a file of this name."""
+    main = sys.modules["__main__"]
+    file = getattr(main, "__file__", None)
+    if file is None or Path(file).exists():
+        yield
+        return
+    del main.__file__
+    try:
+        yield
+    finally:
+        main.__file__ = file
+
+
+def _work(connection: Connection) -> None:
     """Do jobs until the other end closes: the main function of a worker."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends it to all; the parent ends its workers
     limit_threads()
     with deferring_signals(), suppress(EOFError, BrokenPipeError, ConnectionResetError), LoadedSystem() as loaded:
-        do = pickle.loads(task)
+        do = pickle.loads(connection.recv_bytes())
+        connection.send(None)  # it has started
         while True:
             job = connection.recv()
             try:

@@ -157,6 +157,11 @@ class Study:
         vocabulary
             What choices and metrics mean.
 
+        Returns
+        -------
+        Study
+            The study.
+
         Raises
         ------
         SetupError
@@ -186,6 +191,11 @@ class Study:
             Folder in which relative paths start.
         vocabulary
             What choices and metrics mean.
+
+        Returns
+        -------
+        Study
+            The study.
 
         Raises
         ------

@@ -91,7 +91,7 @@ class SweepResult:
     metric_columns: Sequence[Column]
 
     def columns(self, names: Sequence[str] | None = None) -> dict[str, Any]:
-        """Read the table.
+        """Read the table of runs.
 
         Parameters
         ----------
@@ -359,6 +359,11 @@ def estimate(study: Study, samples: int = 8, at_most: float = 10.0) -> Estimate:
         How many.
     at_most
         Time in s after which no further one begins.
+
+    Returns
+    -------
+    Estimate
+        What the runs will take.
 
     Raises
     ------

@@ -14,49 +14,91 @@ Kind = Callable[[Any], Any]
 
 
 def number(value: Any) -> float:
-    """Return a number; whole numbers become floats."""
+    """Return a number; whole numbers become floats.
+
+    Parameters
+    ----------
+    value
+        What TOML has.
+    """
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise TypeError("a number")
     return float(value)
 
 
 def whole(value: Any) -> int:
-    """Return a whole number."""
+    """Return a whole number.
+
+    Parameters
+    ----------
+    value
+        What TOML has.
+    """
     if isinstance(value, bool) or not isinstance(value, int):
         raise TypeError("a whole number")
     return value
 
 
 def text(value: Any) -> str:
-    """Return a text."""
+    """Return a text as it is.
+
+    Parameters
+    ----------
+    value
+        What TOML has.
+    """
     if not isinstance(value, str):
         raise TypeError("a text")
     return value
 
 
 def truth(value: Any) -> bool:
-    """Return true or false."""
+    """Return true or false.
+
+    Parameters
+    ----------
+    value
+        What TOML has.
+    """
     if not isinstance(value, bool):
         raise TypeError("true or false")
     return value
 
 
 def scalar(value: Any) -> Scalar:
-    """Return a number, a text, or true or false."""
+    """Return a number, a text, or true or false.
+
+    Parameters
+    ----------
+    value
+        What TOML has.
+    """
     if not isinstance(value, bool | int | float | str):
         raise TypeError("a number, a text, true or false")
     return value
 
 
 def table(value: Any) -> dict[str, Any]:
-    """Return a table."""
+    """Return a table as it is.
+
+    Parameters
+    ----------
+    value
+        What TOML has.
+    """
     if not isinstance(value, dict):
         raise TypeError("a table")
     return value
 
 
 def one_of(*choices: str) -> Kind:
-    """Return a reader of one of several texts."""
+    """Return a reader of one of several texts.
+
+    Parameters
+    ----------
+    *choices
+        The texts.
+    """
 
     def read(value: Any) -> str:
         if value not in choices:
@@ -68,7 +110,15 @@ def one_of(*choices: str) -> Kind:
 
 
 def list_of(kind: Kind, length: int | None = None) -> Kind:
-    """Return a reader of lists of a kind, of a length where that is given."""
+    """Return a reader of lists of a kind.
+
+    Parameters
+    ----------
+    kind
+        Reads each of them.
+    length
+        Length of the list; any where None.
+    """
     what = "values" if length is None else f"{length} values"
 
     def read(value: Any) -> tuple[Any, ...]:
@@ -83,7 +133,13 @@ def list_of(kind: Kind, length: int | None = None) -> Kind:
 
 
 def table_of(kind: Kind) -> Kind:
-    """Return a reader of tables whose values are of a kind."""
+    """Return a reader of tables whose values are of a kind.
+
+    Parameters
+    ----------
+    kind
+        Reads each of them.
+    """
 
     def read(value: Any) -> dict[str, Any]:
         found = table(value)

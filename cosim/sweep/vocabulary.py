@@ -57,6 +57,11 @@ class SignalMetric:
         text
             The text.
 
+        Returns
+        -------
+        SignalMetric or None
+            The metric.
+
         Raises
         ------
         SetupError
@@ -218,6 +223,11 @@ class Vocabulary:
             Rows per second.
         warm_up
             Time at the beginning that is not evaluated, in s.
+
+        Returns
+        -------
+        dict
+            Name of each metric to its value; None where the run does not have it.
 
         Raises
         ------

@@ -46,6 +46,11 @@ def read(name_or_file: str | Path) -> Study:
     name_or_file
         Name from :data:`SHIPPED`, or the path of a file in TOML.
 
+    Returns
+    -------
+    Study
+        The study, with the words of :class:`SeatVocabulary`.
+
     Raises
     ------
     SetupError

@@ -64,15 +64,41 @@ class SeatVocabulary(Vocabulary):
         return {**vars(self), "_signals": {}}
 
     def system_file(self, name: str, folder: Path) -> Path:
-        """Return the file of a system, by the name of one of this project or a path."""
+        """Return the file of a system, by the name of one of this project or a path.
+
+        Parameters
+        ----------
+        name
+            Name or path in a study.
+        folder
+            Folder in which relative paths start.
+        """
         return carried.ssp(name) if _is_name(name, folder) else folder / Path(name).expanduser()
 
     def fmu(self, name: str, folder: Path) -> Path:
-        """Return the file of an FMU, by the name of one of this project or a path."""
+        """Return the file of an FMU, by the name of one of this project or a path.
+
+        Parameters
+        ----------
+        name
+            Name or path in a study.
+        folder
+            Folder in which relative paths start.
+        """
         return carried.fmu(name) if _is_name(name, folder) else folder / Path(name).expanduser()
 
     def load(self, word: str, value: Scalar, system: System, folder: Path) -> None:
-        """Read gains and parameter sets, and check the other choices."""
+        """Read gains and parameter sets, and check the other choices.
+
+        Parameters
+        ----------
+        word, value
+            The choice.
+        system
+            The system that it is for.
+        folder
+            Folder in which relative paths start.
+        """
         if word == "scenario":
             _scenario(value)
         elif word == "driver_mass":
@@ -90,11 +116,27 @@ class SeatVocabulary(Vocabulary):
         return repr(sorted(self._loaded.items(), key=repr))
 
     def default_stop_time(self, words: Mapping[str, Scalar]) -> float | None:
-        """Return the stop time of the scenario."""
+        """Return the stop time of the scenario in s; None where there is none.
+
+        Parameters
+        ----------
+        words
+            Choice to value.
+        """
         return SCENARIOS[str(words["scenario"])].stop_time if "scenario" in words else None
 
     def parameters(self, words: Mapping[str, Scalar], given: Mapping[str, Value], system: System) -> dict[str, Value]:
-        """Return the parameters of the scenario, of the choices in their order, and what is given; later ones win."""
+        """Return the parameters of the scenario, of the choices in their order, and what is given; later ones win.
+
+        Parameters
+        ----------
+        words
+            Choice to value.
+        given
+            Parameters that the study sets, as ``component.variable``.
+        system
+            The system.
+        """
         scenario = _scenario(words["scenario"]) if "scenario" in words else {}
         return scenario | choices.parameters(words, given, system, {**system.parameters, **scenario}, self._read)
 
@@ -102,7 +144,13 @@ class SeatVocabulary(Vocabulary):
         return self._loaded[word, value] if (word, value) in self._loaded else choices.choice(word, value, system)
 
     def default_metrics(self, system: System) -> tuple[str, ...]:
-        """Return all metrics that the signals of a system give."""
+        """Return all metrics that the signals of a system give.
+
+        Parameters
+        ----------
+        system
+            The system.
+        """
         signals = self._signal_map(system)
         outputs = system.outputs()
         if not {signals.seat_acceleration, signals.floor_acceleration} <= set(outputs):
@@ -114,7 +162,15 @@ class SeatVocabulary(Vocabulary):
         return tuple(found)
 
     def signals(self, metrics: Sequence[str], system: System) -> list[str]:
-        """Return the outputs of the evaluation that the system has."""
+        """Return the outputs of the evaluation that the system has.
+
+        Parameters
+        ----------
+        metrics
+            Names of metrics.
+        system
+            The system.
+        """
         signals, outputs = self._signal_map(system), system.outputs()
         for name in (signals.seat_acceleration, signals.floor_acceleration):
             if name not in outputs:
@@ -142,7 +198,26 @@ class SeatVocabulary(Vocabulary):
     def measure(
         self, metrics: Sequence[str], system: System, result: Result, rate: float, warm_up: float
     ) -> dict[str, float | None]:
-        """Compute the metrics of a ride by the evaluation's own functions."""
+        """Compute the metrics of a ride by the evaluation's own functions.
+
+        Parameters
+        ----------
+        metrics
+            Names of metrics.
+        system
+            The system, with all parameters of the run.
+        result
+            Its result.
+        rate
+            Rows per second.
+        warm_up
+            Time at the beginning that is not evaluated, in s.
+
+        Returns
+        -------
+        dict
+            Name of each metric to its value; None where the system does not have it.
+        """
         evaluated = _Ridden(system.name, system, self._signal_map(system))
         found = _of_ride(measure(evaluated, result, rate, warm_up))
         if "peak_acceleration" in metrics:
