@@ -18,6 +18,7 @@ typedef struct {
     fmi2SetRealTYPE *set;
     fmi2GetRealTYPE *get;
     fmi2GetBooleanTYPE *get_boolean;
+    fmi2GetIntegerTYPE *get_integer;
     fmi2DoStepTYPE *step;
     fmi2ResetTYPE *reset;
     fmi2EnterInitializationModeTYPE *enter;
@@ -50,6 +51,7 @@ static Fmu load(const char *name, const char *library, const char *guid)
                  (fmi2SetRealTYPE *)dlsym(handle, "fmi2SetReal"),
                  (fmi2GetRealTYPE *)dlsym(handle, "fmi2GetReal"),
                  (fmi2GetBooleanTYPE *)dlsym(handle, "fmi2GetBoolean"),
+                 (fmi2GetIntegerTYPE *)dlsym(handle, "fmi2GetInteger"),
                  (fmi2DoStepTYPE *)dlsym(handle, "fmi2DoStep"),
                  (fmi2ResetTYPE *)dlsym(handle, "fmi2Reset"),
                  (fmi2EnterInitializationModeTYPE *)dlsym(handle, "fmi2EnterInitializationMode"),
@@ -66,13 +68,20 @@ static double now(void)
 
 static fmi2Real floor_[SHAKER_OUTPUTS], seat_[SEAT_OUTPUTS], control[CONTROLLER_OUTPUTS];
 static fmi2Boolean flags[CONTROLLER_FLAGS];
+static fmi2Integer codes[CONTROLLER_CODES];
+
+static void get_control(const Fmu *controller)
+{
+    check(controller->get(controller->component, controller_outputs, CONTROLLER_OUTPUTS, control) == fmi2OK);
+    check(controller->get_boolean(controller->component, controller_flags, CONTROLLER_FLAGS, flags) == fmi2OK);
+    check(controller->get_integer(controller->component, controller_codes, CONTROLLER_CODES, codes) == fmi2OK);
+}
 
 static void get_all(const Fmu *shaker, const Fmu *seat, const Fmu *controller)
 {
     check(shaker->get(shaker->component, shaker_outputs, SHAKER_OUTPUTS, floor_) == fmi2OK);
     check(seat->get(seat->component, seat_outputs, SEAT_OUTPUTS, seat_) == fmi2OK);
-    check(controller->get(controller->component, controller_outputs, CONTROLLER_OUTPUTS, control) == fmi2OK);
-    check(controller->get_boolean(controller->component, controller_flags, CONTROLLER_FLAGS, flags) == fmi2OK);
+    get_control(controller);
 }
 
 static void step(const Fmu *it, double time)
@@ -101,8 +110,7 @@ static double run(const Fmu *shaker, const Fmu *seat, const Fmu *controller, dou
                                      seat_[SEAT_suspension_deflection_measured]};
         check(controller->set(controller->component, controller_inputs, 2, measured) == fmi2OK);
         step(controller, t);
-        check(controller->get(controller->component, controller_outputs, CONTROLLER_OUTPUTS, control) == fmi2OK);
-        check(controller->get_boolean(controller->component, controller_flags, CONTROLLER_FLAGS, flags) == fmi2OK);
+        get_control(controller);
         const fmi2Real felt[] = {floor_[SHAKER_floor_displacement], floor_[SHAKER_floor_velocity],
                                  floor_[SHAKER_floor_acceleration], control[CONTROLLER_force]};
         check(seat->set(seat->component, seat_inputs, 4, felt) == fmi2OK);

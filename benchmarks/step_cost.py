@@ -25,7 +25,7 @@ CHOICES = {
 what must be true at the end.
 """
 
-WANTED = {"SeatController": "100", "SeatController robust": "150", "SeatPlant": "400"}
+WANTED = {"SeatController": "100", "SeatController robust": "150", "SeatPlant": "400", "TruckCab": "400"}
 """What a step may cost, through FMI, in ns."""
 
 

@@ -186,7 +186,7 @@ class Component:
     module
         Name of the module that defines the component; a Python FMU contains this module and what it imports.
     inputs, outputs, parameters, constants
-        Dataclasses of variables, see :mod:`fmus.variables`; ``constants`` may be None.
+        Dataclasses of variables, see :mod:`fmus.variables`; ``constants`` may be None. The inputs hold no other record.
     state
         ``NamedTuple`` class of the state, see :func:`state_fields`.
     prepare

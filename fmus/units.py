@@ -15,13 +15,14 @@ class Dimension(NamedTuple):
 
     Attributes
     ----------
-    kg, m, s
-        Exponents of kilogram, metre and second.
+    kg, m, s, rad
+        Exponents of kilogram, metre, second and radian.
     """
 
     kg: int = 0
     m: int = 0
     s: int = 0
+    rad: int = 0
 
 
 _SYMBOLS = {
@@ -31,6 +32,7 @@ _SYMBOLS = {
     "s": Dimension(s=1),
     "Hz": Dimension(s=-1),
     "N": Dimension(kg=1, m=1, s=-2),
+    "rad": Dimension(rad=1),
 }
 
 _FACTOR = re.compile(r"(?P<symbol>1|[A-Za-z]+)(?P<exponent>\d*)")
@@ -47,7 +49,7 @@ def dimension(unit: str) -> Dimension:
     Returns
     -------
     Dimension
-        Exponents of kg, m and s.
+        Exponents of kg, m, s and rad.
 
     Raises
     ------
@@ -57,7 +59,7 @@ def dimension(unit: str) -> Dimension:
     Examples
     --------
     >>> dimension("N.s/m")
-    Dimension(kg=1, m=0, s=-1)
+    Dimension(kg=1, m=0, s=-1, rad=0)
     """
     numerator, _, denominator = unit.partition("/")
     total = Dimension()

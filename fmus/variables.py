@@ -2,7 +2,8 @@
 
 A model declares its interface as dataclasses with fields from :func:`input_`, :func:`output`,
 :func:`parameter`, :func:`file_parameter` and :func:`constant`. The dataclasses serve the functions of the model as
-typed records, and :func:`variables_of` reads the same fields as FMI variables.
+typed records, and :func:`variables_of` reads the same fields as FMI variables. A record can hold others: :func:`group`
+and :func:`same_as` take over declarations of another model, so that a component of several models has none twice.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Any
 
 from fmus.units import dimension
@@ -64,7 +66,8 @@ class VariableDeclaration:
     name
         FMI name, structured (``friction.alpha``).
     field
-        Name of the field in the dataclass of the model.
+        Name of the field in the dataclass of the model; in a record that holds others the names that lead to it, joined
+        by dots.
     type
         ``float``, ``int``, ``bool``, an ``IntEnum`` with members from 1, or ``str`` for the name of a file.
     causality, variability, initial
@@ -180,7 +183,7 @@ def _declare(start: Any, name: str | None = None, **attributes: Any) -> Any:
     return dataclasses.field(default=start, metadata={"name": name, **attributes})
 
 
-def input_(unit: str, description: str, *, nominal: float) -> Any:
+def input_(unit: str, description: str, *, nominal: float, added: bool = False) -> Any:
     """Declare an input: continuous, with the start value zero.
 
     Parameters
@@ -191,6 +194,8 @@ def input_(unit: str, description: str, *, nominal: float) -> Any:
         Text for the model description.
     nominal
         Typical magnitude, in ``unit``.
+    added
+        As of :func:`output`.
 
     Returns
     -------
@@ -205,6 +210,7 @@ def input_(unit: str, description: str, *, nominal: float) -> Any:
         unit=unit,
         description=description,
         nominal=nominal,
+        added=added,
     )
 
 
@@ -355,6 +361,158 @@ def constant(value: Quantity, description: str) -> Any:
     )
 
 
+@dataclass(frozen=True)
+class _Group:
+    """What :func:`group` declares of a field."""
+
+    record: type
+    prefix: str
+    without: frozenset[str]
+    starts: Mapping[str, Quantity | bool | int]
+    minimums: Mapping[str, float]
+    dependencies: Mapping[str, Sequence[str]]
+
+    def values(self) -> dict[str, Any]:
+        """Return the values of the fields that do not start as the record declares."""
+        return {name: s.value if isinstance(s, Quantity) else s for name, s in self.starts.items()}
+
+    def default(self) -> Any:
+        return record_of(self.record, self.values())
+
+
+def group(
+    record: type,
+    prefix: str = "",
+    *,
+    without: Sequence[str] = (),
+    starts: Mapping[str, Quantity | bool | int] = MappingProxyType({}),
+    minimums: Mapping[str, float] = MappingProxyType({}),
+    dependencies: Mapping[str, Sequence[str]] = MappingProxyType({}),
+) -> Any:
+    """Declare a field that holds another record with the declarations of all its variables.
+
+    Parameters
+    ----------
+    record
+        Dataclass with fields from the functions of this module.
+    prefix
+        FMI names are those of the record after this prefix and a dot; empty for the names as they are.
+    without
+        Fields of the record that are no variables: they keep their start values.
+    starts
+        Field to its start value, where it is another than in the record. A physical one has the symbol of the other.
+    minimums
+        Field to its minimum, where it is another than in the record, in the unit of the variable.
+    dependencies
+        FMI name of a known to those by which it is replaced in the dependencies of outputs.
+
+    Returns
+    -------
+    dataclass field
+        With the declaration in its metadata; its default is the record with these start values.
+
+    Raises
+    ------
+    ValueError
+        If the record has no such field, or one that is left out is a file.
+
+    Examples
+    --------
+    >>> @dataclass
+    ... class Spring:
+    ...     stiffness: float = parameter(Quantity(2.0, "N/m", "k", "here"), "Stiffness")
+    >>> @dataclass
+    ... class Springs:
+    ...     front: Spring = group(Spring, "front")
+    ...     rear: Spring = group(Spring, "rear", starts={"stiffness": Quantity(3.0, "N/m", "k", "there")})
+    >>> [(variable.name, variable.field, variable.start) for variable in variables_of(Springs)]
+    [('front.stiffness', 'front.stiffness', 2.0), ('rear.stiffness', 'rear.stiffness', 3.0)]
+    >>> Springs().rear.stiffness
+    3.0
+    """
+    known = {variable.field: variable for variable in variables_of(record)}
+    for name in (*without, *starts, *minimums):
+        if name not in known or (name in without and known[name].type is str):
+            raise ValueError(f"group of {record.__name__}: expected a field that is no file, got {name}")
+    declared = _Group(record, prefix, frozenset(without), dict(starts), dict(minimums), dict(dependencies))
+    return dataclasses.field(default_factory=declared.default, metadata={"group": declared})
+
+
+def same_as(record: type, name: str, *, dependencies: Sequence[str] | None = None) -> Any:
+    """Declare a field with the declaration of another record's field.
+
+    Parameters
+    ----------
+    record
+        Dataclass with fields from the functions of this module.
+    name
+        Name of the field.
+    dependencies
+        As of :func:`output`, if they differ.
+
+    Returns
+    -------
+    dataclass field
+        With the same metadata, except that the variable is none that came later.
+
+    Examples
+    --------
+    >>> @dataclass
+    ... class Spring:
+    ...     force: float = output("N", "Force of the spring", added=True)
+    >>> @dataclass
+    ... class Block:
+    ...     force: float = same_as(Spring, "force")
+    >>> [(variable.name, variable.unit, variable.added) for variable in variables_of(Block)]
+    [('force', 'N', False)]
+    """
+    (field,) = [field for field in dataclasses.fields(record) if field.name == name]
+    metadata = {**field.metadata, **({"added": False} if "added" in field.metadata else {})}
+    if dependencies is not None:
+        metadata["dependencies"] = tuple(dependencies)
+    return dataclasses.field(default=field.default, metadata=metadata)
+
+
+def _in_group(variable: VariableDeclaration, field: str, group: _Group) -> VariableDeclaration:
+    """Return the declaration of a variable of a record that is held in a field of another one."""
+    changes: dict[str, Any] = {}
+    if variable.field in group.starts:
+        start = group.starts[variable.field]
+        changes["start"] = start
+        if isinstance(start, Quantity):
+            text, mark, _ = variable.description.rpartition(f"; {start.symbol} (")
+            if not mark or start.unit != variable.unit:
+                raise ValueError(f"start of {field}.{variable.field}: expected its symbol and unit, got {start}")
+            changes |= {"start": float(start.value), "description": f"{text}{mark}{start.source})"}
+    if variable.field in group.minimums:
+        changes["minimum"] = group.minimums[variable.field]
+    return dataclasses.replace(
+        variable,
+        name=f"{group.prefix}.{variable.name}" if group.prefix else variable.name,
+        field=f"{field}.{variable.field}",
+        dependencies=tuple(other for name in variable.dependencies for other in group.dependencies.get(name, (name,))),
+        **changes,
+    )
+
+
+def _declarations(record: type) -> list[tuple[VariableDeclaration, bool]]:
+    """Return the declarations of all fields of a record, and whether each is left out."""
+    found: list[tuple[VariableDeclaration, bool]] = []
+    for field in dataclasses.fields(record):
+        if group := field.metadata.get("group"):
+            for variable, left_out in _declarations(group.record):
+                found.append((_in_group(variable, field.name, group), left_out or variable.field in group.without))
+            continue
+        attributes = dict(field.metadata)
+        name = attributes.pop("name") or field.name
+        start: Any = field.default
+        kind = type(start)
+        if attributes["initial"] == "calculated":
+            start = None
+        found.append((VariableDeclaration(name=name, field=field.name, type=kind, start=start, **attributes), False))
+    return found
+
+
 def variables_of(record: type) -> tuple[VariableDeclaration, ...]:
     """Read the fields of an interface dataclass as FMI variables, in their order.
 
@@ -368,7 +526,7 @@ def variables_of(record: type) -> tuple[VariableDeclaration, ...]:
     Returns
     -------
     tuple of VariableDeclaration
-        One for each field.
+        One for each field, and for each field of a record in it that is not left out.
 
     Raises
     ------
@@ -383,13 +541,56 @@ def variables_of(record: type) -> tuple[VariableDeclaration, ...]:
     >>> [(variable.name, variable.unit) for variable in variables_of(Inputs)]
     [('force', 'N')]
     """
-    variables = []
+    return tuple(variable for variable, left_out in _declarations(record) if not left_out)
+
+
+def left_out_of(record: type) -> tuple[VariableDeclaration, ...]:
+    """Return the declarations of the fields that are no variables, as a :func:`group` leaves them out.
+
+    Parameters
+    ----------
+    record
+        Dataclass with fields from the functions of this module.
+
+    Returns
+    -------
+    tuple of VariableDeclaration
+        With the start values that they keep.
+    """
+    return tuple(variable for variable, left_out in _declarations(record) if left_out)
+
+
+def record_of(record: type, values: Mapping[str, Any]) -> Any:
+    """Build a record, and the records in it, from values of its fields.
+
+    Parameters
+    ----------
+    record
+        Dataclass with fields from the functions of this module.
+    values
+        Field, in records in it the path as in :attr:`VariableDeclaration.field`, to value. Others keep their start
+        values.
+
+    Returns
+    -------
+    record
+        Instance of the dataclass.
+
+    Examples
+    --------
+    >>> @dataclass
+    ... class Spring:
+    ...     stiffness: float = parameter(Quantity(2.0, "N/m", "k", "here"), "Stiffness")
+    >>> @dataclass
+    ... class Block:
+    ...     spring: Spring = group(Spring, "spring")
+    >>> record_of(Block, {"spring.stiffness": 5.0})
+    Block(spring=Spring(stiffness=5.0))
+    """
+    arguments: dict[str, Any] = {path: value for path, value in values.items() if "." not in path}
     for field in dataclasses.fields(record):
-        attributes = dict(field.metadata)
-        name = attributes.pop("name") or field.name
-        start: Any = field.default
-        kind = type(start)
-        if attributes["initial"] == "calculated":
-            start = None
-        variables.append(VariableDeclaration(name=name, field=field.name, type=kind, start=start, **attributes))
-    return tuple(variables)
+        if group := field.metadata.get("group"):
+            begin = f"{field.name}."
+            inner = {path.removeprefix(begin): value for path, value in values.items() if path.startswith(begin)}
+            arguments[field.name] = record_of(group.record, {**group.values(), **inner})
+    return record(**arguments)

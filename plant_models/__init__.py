@@ -1,1 +1,1 @@
-"""Models of the plant: the two-mass seat with friction, actuator and sensors, and the shaker that moves the floor."""
+"""Models of the plant: the two-mass seat with friction, actuator and sensors, the shaker and the truck under it."""

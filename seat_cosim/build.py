@@ -11,12 +11,15 @@ from fmus import FLAVOURS
 from fmus.export.build import PLATFORMS, build_library, host_platform
 from fmus.export.fmu_file import BuildResult
 from seat_cosim import components
-from seat_cosim.scenarios import SCENARIOS, SYSTEM_FILES, seat_suspension
+from seat_cosim.scenarios import SCENARIOS, SHAKER, SYSTEM_FILES, TRUCK, seat_suspension
 
 __all__ = ["PLATFORMS", "build_all"]
 
 _WITHOUT_COMPILER = {"python"}
 """Flavours that are built without a compiler."""
+
+_SCENARIOS = {SHAKER: SCENARIOS["bump"], TRUCK: SCENARIOS["truck"]}
+"""Component that moves the floor to the scenario that its FMU runs by default."""
 
 
 def build_all(folder: Path, flavours: Sequence[str] = (), platforms: Sequence[str] = ()) -> Iterator[BuildResult]:
@@ -52,10 +55,12 @@ def build_all(folder: Path, flavours: Sequence[str] = (), platforms: Sequence[st
 
 
 def _build_systems(folder: Path, flavours: Iterable[str], platforms: Iterable[str]) -> Iterator[BuildResult]:
-    """Build systems of native FMUs that run the bump; FMUs of other machines cannot be connected here."""
+    """Build systems of native FMUs that run a scenario each; FMUs of other machines cannot be connected here."""
     host = host_platform()
-    for flavour, name in SYSTEM_FILES.items():
-        if flavour in flavours and host in (tuple(platforms) or (host,)):
-            system = seat_suspension(folder / flavour)
-            system.stop_time = SCENARIOS["bump"].stop_time
+    for flavour, names in SYSTEM_FILES.items():
+        if flavour not in flavours or host not in (tuple(platforms) or (host,)):
+            continue
+        for floor, name in names.items():
+            system = seat_suspension(folder / flavour, floor)
+            system.stop_time = _SCENARIOS[floor].stop_time
             yield BuildResult(folder / name, system.save(folder / name))

@@ -60,7 +60,8 @@ def fmu(name: str, flavour: str = DEFAULT_FLAVOUR) -> Path:
     Parameters
     ----------
     name
-        ``SeatController``, ``SeatPlant`` or ``Shaker``.
+        ``SeatController``, ``SeatPlant``, ``Shaker``, ``TruckCab``, ``SeatedDriver``, ``ActiveSeat``, ``PassiveSeat``
+        or ``SemiActiveSeat``.
     flavour
         Name from :data:`fmus.FLAVOURS`.
 

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from cosim.engine.editing import edit
 from cosim.engine.run_options import RunOptions
 from cosim.errors import SetupError
@@ -15,6 +17,7 @@ from cosim.run_folder import run_to_folder
 from cosim.system import System
 from seat_controller_fmu.interface import Mode
 from seat_cosim import scenarios
+from seat_cosim.overview import excerpt
 from seat_cosim.plotting import Curve, Panel, draw
 from seat_cosim.ride_summary import RideSummary, evaluated_system, summarize
 
@@ -28,6 +31,9 @@ _SIGNALS = {
     "Force": "controller.force",
 }
 """Panel of the figure to its signal."""
+
+_WIDEST = 2.6
+"""Width of the line that is drawn first, in points."""
 
 
 @dataclass(frozen=True)
@@ -172,23 +178,32 @@ def _has(system: System, name: str) -> bool:
     return component in system.models and variable in system.models[component].variables
 
 
-def draw_comparison(path: Path, title: str, ridden: Sequence[Ride]) -> None:
-    """Draw driver's acceleration, deflection and force of all rides over each other.
+def draw_comparison(path: Path, scenario: str, ridden: Sequence[Ride]) -> None:
+    """Draw driver's acceleration, deflection and force of all rides over each other; of random ones a part.
 
     Parameters
     ----------
     path
         Figure file; its folder exists.
-    title
-        Line above the panels.
+    scenario
+        Name of the scenario, for the title.
     ridden
         The rides.
     """
-    panels = []
+    panels, title, part = [], f"Seat suspension, {scenario}", slice(None)
+    if scenarios.SCENARIOS[scenario].is_random:
+        driver = _SIGNALS["Driver's acceleration"]
+        have = [ride.result for ride in ridden if driver in ride.result.values]
+        part, words = excerpt(have[0].time, [each[driver] for each in have]) if have else (part, "")
+        title += words
     for label, signal in _SIGNALS.items():
-        have = [ride for ride in ridden if signal in ride.result.values]
-        curves = [Curve(ride.variant.title, ride.result[signal], {}) for ride in have]
-        if have:
-            unit = have[0].result.units[signal]
-            panels.append(Panel(f"{label}\n({unit})", have[0].result.time, curves, {}))
+        results = {ride.variant.title: ride.result for ride in ridden if signal in ride.result.values}
+        widths = np.linspace(_WIDEST, 1.0, len(results))  # curves that cover each other stay visible
+        curves = [
+            Curve(name, result[signal][part], {"linewidth": width})
+            for (name, result), width in zip(results.items(), widths, strict=True)
+        ]
+        if results:
+            first = next(iter(results.values()))
+            panels.append(Panel(f"{label}\n({first.units[signal]})", first.time[part], curves, {}))
     draw(path, title, panels)

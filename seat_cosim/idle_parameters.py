@@ -1,4 +1,4 @@
-"""Parameters that have no effect beside others: the shape of a floor that is not ridden, the law that does not run.
+"""Parameters without an effect: the shape of a floor that is not ridden, a law that does not run, an absent driver.
 
 The names are those of this project's FMUs; parameters of other FMUs are taken as they are.
 """
@@ -6,11 +6,15 @@ The names are those of this project's FMUs; parameters of other FMUs are taken a
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from enum import IntEnum
+from typing import NamedTuple
 
 from cosim.engine.structure import Structure
 from cosim.errors import Problems, SetupError
 from cosim.fmi.values import Value
-from plant_models.shaker.interface import Profile
+from plant_models.seat.interface import DriverModel
+from plant_models.shaker import interface as shaker
+from plant_models.truck import interface as truck
 from seat_controller_fmu.interface import Mode
 
 _OF_PUBLISHED = (
@@ -29,6 +33,16 @@ _OF_PUBLISHED = (
 
 _OF_ROBUST = ("actuator_time_constant", "actuator_delay", "travel")
 """Parameters of the controller that only the mode robust uses, beside those named ``robust.*``."""
+
+
+_OF_DRIVERS = {
+    "cushion_stiffness": DriverModel.lumped,
+    "cushion_damping": DriverModel.lumped,
+    "driver.contact_stiffness": DriverModel.seated,
+    "driver.contact_damping": DriverModel.seated,
+    "driver_force": DriverModel.external,
+}
+"""Variables of the seat that only one kind of driver uses."""
 
 
 def refuse_idle(names: Iterable[str], system: Structure, parameters: Mapping[str, Value]) -> None:
@@ -57,30 +71,55 @@ def _problems(names: Iterable[str], system: Structure, parameters: Mapping[str, 
     for name in names:
         component, _, variable = name.partition(".")
         model = system.models.get(component)
-        owner = _owner(model.description.modelName, variable) if model and variable in model.variables else None
-        if owner is None:
+        use = _use(model.description.modelName, variable) if model and variable in model.variables else None
+        if use is None:
             continue
-        choice, needed = owner
-        chosen = _item(system, f"{component}.{choice}", parameters)
-        if chosen is not None and chosen != needed:
-            yield f"{name}: expected {component}.{choice} = {needed}, which uses it, got {chosen}"
+        chosen = _item(system, f"{component}.{use.choice}", use.kind, parameters)
+        if chosen is not None and chosen not in use.items:
+            needed = " or ".join(use.items)
+            yield f"{name}: expected {component}.{use.choice} = {needed}, which uses it, got {chosen}"
 
 
-def _owner(model: str, variable: str) -> tuple[str, str] | None:
-    """Return the parameter that decides on the use of a variable, and the item with which it is used."""
+class _Use(NamedTuple):
+    """When a variable is used: the enumeration that decides on it, and the items with which it is used."""
+
+    choice: str
+    kind: type[IntEnum]
+    items: tuple[str, ...]
+
+
+_RANDOM, _RECORDED = truck.Profile.iso8608.name, truck.Profile.file.name
+
+_OF_ROAD = {
+    "road.class": (_RANDOM,),
+    "road.seed": (_RANDOM,),
+    "road.file": (_RECORDED,),
+    "road.fade": (_RANDOM, _RECORDED),
+}
+"""Parameter of the truck to the profiles that use it."""
+
+_OBSTACLES = tuple(name for name in truck.Profile.__members__ if name not in (_RANDOM, _RECORDED))
+"""Profiles that use the parameters of the truck named ``obstacle.*``."""
+
+
+def _use(model: str, variable: str) -> _Use | None:
+    """Return when a variable of this project's FMUs is used; None for one that always is."""
     prefix, dot, _ = variable.partition(".")
-    if model == "Shaker" and dot and prefix in Profile.__members__:
-        return "profile", prefix
+    if model == "Shaker" and dot and prefix in shaker.Profile.__members__:
+        return _Use("profile", shaker.Profile, (prefix,))
+    if model == "TruckCab" and (items := _OBSTACLES if prefix == "obstacle" else _OF_ROAD.get(variable)):
+        return _Use("road.profile", truck.Profile, items)
     if model == "SeatController" and (prefix == "robust" or variable in _OF_ROBUST):
-        return "mode", Mode.robust.name
+        return _Use("mode", Mode, (Mode.robust.name,))
     if model == "SeatController" and variable in _OF_PUBLISHED:
-        return "mode", Mode.published.name
+        return _Use("mode", Mode, (Mode.published.name,))
+    if model == "SeatPlant" and variable in _OF_DRIVERS:
+        return _Use("driver.model", DriverModel, (_OF_DRIVERS[variable].name,))
     return None
 
 
-def _item(system: Structure, name: str, parameters: Mapping[str, Value]) -> str | None:
+def _item(system: Structure, name: str, kind: type[IntEnum], parameters: Mapping[str, Value]) -> str | None:
     """Return the name of the item that an enumeration has in a run; None where it is not of this project's kind."""
-    kind = {"profile": Profile, "mode": Mode}[name.rpartition(".")[2]]
     try:
         return kind(int(system.number(name, parameters))).name
     except (SetupError, TypeError, ValueError):

@@ -12,7 +12,7 @@ from cosim.errors import SetupError, writing_to
 from cosim.recordings import ACCELERATION, DISPLACEMENT, ChannelRequest, Part, ReadOptions, Recording, read_recording
 from cosim.results.csv_file import format_header, format_rows
 from cosim.units import GRAVITY
-from plant_models.shaker.recording import MAX_ROWS
+from plant_models.recording import MAX_ROWS
 from seat_cosim.plausibility import MAX_ACCELERATION, QUIET_FLOOR
 
 MAX_OFFSET = 0.05

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from cosim.results.result import Result
 from cosim.system import System
 from seat_cosim.plotting import Curve, Panel, by_unit, draw, literal
-from seat_cosim.scenarios import FMUS, OVERVIEW
+from seat_cosim.scenarios import FMUS, OVERVIEW, SCENARIOS, floor_of, overview
 
 DRIVER = OVERVIEW["Acceleration"][0]
 """The driver's acceleration."""
+
+EXCERPT = 10.0
+"""Length in s of the part of a random ride that a figure shows."""
+
+Signal = np.ndarray[Any, Any]
 
 
 def draw_scenario(path: Path, scenario: str, system: System, result: Result) -> None:
@@ -26,9 +34,47 @@ def draw_scenario(path: Path, scenario: str, system: System, result: Result) -> 
     system
         The seat suspension.
     result
-        Result with all outputs of :data:`seat_cosim.scenarios.OVERVIEW`.
+        Result with all outputs of :func:`seat_cosim.scenarios.overview`.
     """
-    draw(path, f"Seat suspension, {scenario}", _panels(system, result))
+    title, part = f"Seat suspension, {scenario}", slice(None)
+    if SCENARIOS[scenario].is_random:
+        part, words = excerpt(result.time, [result[DRIVER]] if DRIVER in result.values else [])
+        title += words
+    draw(path, title, _panels(system, result, part))
+
+
+def excerpt(time: Signal, signals: Sequence[Signal], length: float = EXCERPT) -> tuple[slice, str]:
+    """Choose the part of a long ride that a figure shows: that around the largest peak.
+
+    Parameters
+    ----------
+    time
+        In s, shape (rows,).
+    signals
+        Signals whose largest magnitude counts, each of the same shape.
+    length
+        Of the part, in s.
+
+    Returns
+    -------
+    rows : slice
+        Rows of the part; all of a ride that is not much longer.
+    words : str
+        What a title adds to say so; empty for the whole ride.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 60.0, 61)
+    >>> excerpt(time, [np.where(time == 40.0, -1.0, 0.0)])
+    (slice(35, 46, None), ': 10 s around the largest acceleration of 60 s')
+    """
+    if not signals or time[-1] - time[0] <= 1.5 * length:
+        return slice(None), ""
+    peaks = np.max(np.abs(signals), axis=0)
+    middle = min(max(time[int(peaks.argmax())], time[0] + 0.5 * length), time[-1] - 0.5 * length)
+    first = int(np.searchsorted(time, middle - 0.5 * length))
+    last = int(np.searchsorted(time, middle + 0.5 * length, side="right"))
+    return slice(first, last), f": {length:g} s around the largest acceleration of {time[-1] - time[0]:g} s"
 
 
 def _is_ours(system: System, name: str) -> bool:
@@ -36,18 +82,18 @@ def _is_ours(system: System, name: str) -> bool:
     return system.models[system.parse(name).component].description.modelName in FMUS.values()
 
 
-def _panels(system: System, result: Result) -> list[Panel]:
+def _panels(system: System, result: Result, part: slice = slice(None)) -> list[Panel]:
     """Return the main signals of the seat suspension that a result has, earlier curves above later ones."""
     panels = []
-    for label, signals in OVERVIEW.items():
+    for label, signals in overview(floor_of(system.models)).items():
         curves = [
-            Curve(signal, result[signal], {"zorder": 3.0 - 0.1 * i})
+            Curve(signal, result[signal][part], {"zorder": 3.0 - 0.1 * i})
             for i, signal in enumerate(signals)
             if signal in result.values
         ]
         if curves:
             unit = system.unit(curves[0].name)
-            panels.append(Panel(f"{label} ({unit})", result.time, curves, {}, legend=True))
+            panels.append(Panel(f"{label} ({unit})", result.time[part], curves, {}, legend=True))
     return panels
 
 

@@ -18,8 +18,8 @@ from cosim.fmi.values import Value
 from cosim.results.result import Result
 from cosim.units import GRAVITY, IDENTITY
 from fmus.component import ParameterError
+from plant_models.recording import read
 from plant_models.shaker.interface import Profile
-from plant_models.shaker.recording import read
 from seat_controller_fmu.parameters import SAMPLE_TIME
 from seat_cosim.scenarios import FMUS, components_of, driver_mass
 
@@ -145,13 +145,13 @@ def recording_notes(path: str, stop_time: float | None = None) -> Iterator[str]:
         If the file cannot be used.
     """
     recording = read(path)
-    values, end = np.array(recording.values), recording.times[-1]
+    values, end = np.array(recording.values), recording.axis[-1]
     if stop_time is not None and stop_time > end * (1.0 + 1e-6):
         yield (
             f"{path}: the recording ends at {end:g} s, the run at {stop_time:g} s, and the numbers count the still "
             f"floor after it; where that is not meant: --stop-time {end:g}"
         )
-    step = float(np.median(np.diff(recording.times)))
+    step = float(np.median(np.diff(recording.axis)))
     if step > 1.0 / MIN_RATE:
         yield (
             f"{path}: a row every {step:g} s cannot hold a ride, which takes at least {MIN_RATE:g} rows per second: "

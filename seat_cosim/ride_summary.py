@@ -14,6 +14,7 @@ from cosim.results.result import Result
 from cosim.system import System
 from seat_cosim.evaluation.seat import seat_signals
 from seat_cosim.evaluation.system import EvaluatedSystem
+from seat_cosim.scenarios import floor_of
 
 SATURATED = "controller.saturated"
 
@@ -88,7 +89,7 @@ def evaluated_system(system: System) -> EvaluatedSystem | None:
     system
         The system, with all parameters of the run.
     """
-    signals = seat_signals()
+    signals = seat_signals(floor_of(system.models))
     if signals.seat_acceleration not in system.outputs():
         return None
     travel, height = (

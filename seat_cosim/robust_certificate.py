@@ -13,7 +13,7 @@ from fmus.component import ParameterError
 from fmus.variables import VariableDeclaration, variables_of
 from seat_controller_fmu.design.robust_loop import LoopCertificate, certify
 from seat_controller_fmu.interface import Mode, Parameters
-from seat_cosim.nominal_seat import nominal_seat
+from seat_cosim.nominal_seat import nominal_seat, seated_body
 
 MASSES = (45.0, 55.0, 70.0, 80.0, 100.0, 120.0)
 """Drivers' masses of the certificate, in kg."""
@@ -78,7 +78,7 @@ def certify_robust(settings: Iterable[str]) -> tuple[Parameters, LoopCertificate
     """
     parameters = robust_parameters(settings)
     try:
-        return parameters, certify(parameters, nominal_seat, MASSES)
+        return parameters, certify(parameters, nominal_seat, MASSES, seated_body)
     except ParameterError as error:
         raise SetupError(str(error)) from error
 

@@ -32,6 +32,7 @@ from tests.helpers.waiting import wait_until
 BUILDING = {
     "baselines",
     "echo",
+    "everywhere",
     "faulty_folder",
     "fmus",
     "foreign",

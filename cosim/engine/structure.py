@@ -252,7 +252,7 @@ class Structure(Network):
         Parameters
         ----------
         parameters
-            Names of the parameters that a run sets, as ``component.variable``.
+            Names of the parameters that a run sets, as ``component.variable``, or a mapping of them to their values.
 
         Returns
         -------
@@ -261,6 +261,8 @@ class Structure(Network):
         """
         connected: dict[str, dict[str, set[int]]] = {name: {} for name in self.models}
         given: dict[str, dict[str, set[int]]] = {name: {} for name in self.models}
+        values: dict[str, dict[str, Value]] = {name: {} for name in self.models}
+        known = {**self.parameters, **(parameters if isinstance(parameters, Mapping) else {})}
         for sink in self.connections:
             _add_places(connected[sink.component], self.elements(sink))
         for text in (*self.parameters, *parameters):
@@ -268,9 +270,10 @@ class Structure(Network):
                 ref = self.parse(text)
                 elements = self.elements(ref)
                 _add_places(given[ref.component], elements)
+                values[ref.component] |= {elements.variable: known[text]} if text in known else {}
         sizes = self.sizes({})
         return {
-            name: resolve_unconnected(name, model, connected[name], given[name], sizes.get(name, {}))
+            name: resolve_unconnected(name, model, connected[name], given[name], sizes.get(name, {}), values[name])
             for name, model in self.models.items()
         }
 

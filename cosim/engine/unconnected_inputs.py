@@ -3,6 +3,10 @@
 Some components need one input of a group only and derive the others. Such a component has a *selector*, recognised by
 names alone: an enumeration parameter ``G_signals`` whose first item stands for all inputs of the group, and each other
 item X for the input ``G_X``, in order of preference.
+
+Other components have inputs for something that they also model themselves: an enumeration parameter ``G.model`` with
+the item ``external``, and inputs ``G_...`` that are used with this item only. Without a connection there is nothing to
+say of them as long as this parameter has another item.
 """
 
 from __future__ import annotations
@@ -16,8 +20,10 @@ from fmpy.model_description import ModelVariable
 from cosim.errors import listed
 from cosim.fmi.description import ModelDescription
 from cosim.fmi.elements import owner
+from cosim.fmi.values import Value
 
 _SUFFIX = "_signals"
+_MODEL, _EXTERNAL = ".model", "external"
 
 
 @dataclass(frozen=True)
@@ -50,6 +56,36 @@ def selectors(model: ModelDescription) -> Iterator[Selector]:
         known = [name for name in inputs.values() if name in model.variables]
         if known and len(known) == len(inputs) and all(model.variables[n].causality == "input" for n in known):
             yield Selector(variable.name, all_item, inputs)
+
+
+def inputs_of_externals(model: ModelDescription, given: Container[str], values: Mapping[str, Value]) -> set[str]:
+    """Find the inputs for what an FMU models itself unless a parameter says otherwise.
+
+    Parameters
+    ----------
+    model
+        The FMU.
+    given
+        Names of the parameters that are set.
+    values
+        Their values, where these are known.
+
+    Returns
+    -------
+    set of str
+        Names of the inputs that are not used, as far as is known.
+    """
+    groups = set()
+    for variable in model.variables.values():
+        group = variable.name.removesuffix(_MODEL)
+        if variable.type != "Enumeration" or variable.causality != "parameter" or group == variable.name:
+            continue
+        external = [item.value for item in variable.declaredType.items if item.name == _EXTERNAL]
+        chosen = values.get(variable.name, _EXTERNAL if variable.name in given else variable.start)
+        if external and str(chosen) not in (str(external[0]), str(float(external[0])), _EXTERNAL):
+            groups.add(f"{group}_")
+    inputs = (variable.name for variable in model.variables.values() if variable.causality == "input")
+    return {name for name in inputs if name.startswith(tuple(groups))}
 
 
 def derived_inputs(model: ModelDescription, connected: Container[str]) -> set[str]:
@@ -96,6 +132,7 @@ def resolve_unconnected(
     connected: Mapping[str, set[int]],
     given: Mapping[str, set[int]],
     sizes: Mapping[int, int] = MappingProxyType({}),
+    values: Mapping[str, Value] = MappingProxyType({}),
 ) -> UnconnectedInputs:
     """Resolve the unconnected inputs of a component.
 
@@ -109,9 +146,11 @@ def resolve_unconnected(
         Names of the variables that the user or the system has set, likewise.
     sizes
         Values of the structural parameters, see :meth:`ModelDescription.sizes`.
+    values
+        Values that are set, by name, where they are known.
     """
     resolved = UnconnectedInputs()
-    grouped: set[str] = set()
+    grouped = inputs_of_externals(model, given, values)
     for selector in selectors(model):
         grouped |= set(selector.inputs.values())
         if selector.parameter not in given:

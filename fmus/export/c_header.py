@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from fmus.component import MAX_STEP_SIZE, MAX_TIME, TIME_TOLERANCE, Component, state_fields
 from fmus.export.model_description import LOG_CATEGORIES
-from fmus.variables import MAX_TEXT_SIZE, VariableDeclaration
+from fmus.variables import MAX_TEXT_SIZE, VariableDeclaration, left_out_of
 
 
 def prefix(component: Component) -> str:
@@ -80,6 +80,7 @@ def _render(template: str, component: Component, **values: Any) -> str:
         inputs=[v for v in component.variables if v.causality == "input"],
         outputs=[v for v in component.variables if v.causality == "output"],
         parameters=[v for v in component.variables if v.causality in ("parameter", "local")],
+        left_out=list(left_out_of(component.parameters)),
         **values,
     )
 

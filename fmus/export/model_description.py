@@ -69,7 +69,7 @@ def _literal(value: float | str | None, variable: VariableDeclaration) -> str | 
 
 def _unit(name: str) -> fmi.Unit:
     base = dimension(name)
-    return fmi.Unit(name=name, baseUnit=fmi.BaseUnit(kg=base.kg, m=base.m, s=base.s))
+    return fmi.Unit(name=name, baseUnit=fmi.BaseUnit(kg=base.kg, m=base.m, s=base.s, rad=base.rad))
 
 
 def _enumeration(variable: VariableDeclaration) -> fmi.SimpleType:

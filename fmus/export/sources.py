@@ -7,7 +7,7 @@ import importlib.util
 from collections.abc import Iterator
 from pathlib import Path
 
-_PACKAGES = ("fmus", "plant_models", "seat_controller_fmu")
+_PACKAGES = ("fmus", "plant_models", "seat_blocks", "seat_controller_fmu")
 
 
 def _source(module: str) -> Path | None:
@@ -59,6 +59,9 @@ def source_files(*modules: str) -> dict[str, Path]:
 def kernel_files(module: str) -> tuple[Path, ...]:
     """Return the C files and headers beside a module and the modules that it imports.
 
+    The twin of ``interface.py`` in the package ``seat`` is ``interface.h`` or ``seat_interface.h``: an FMU has
+    all files in one folder, where no two may have one name.
+
     Parameters
     ----------
     module
@@ -68,6 +71,18 @@ def kernel_files(module: str) -> tuple[Path, ...]:
     -------
     tuple of Path
         The C twins of the modules.
+
+    Raises
+    ------
+    ValueError
+        If two files have one name.
     """
-    twins = (path.with_suffix(suffix) for path in source_files(module).values() for suffix in (".c", ".h"))
-    return tuple(path for path in twins if path.exists())
+    files: dict[str, Path] = {}
+    for path in source_files(module).values():
+        for stem in (path.stem, f"{path.parent.name}_{path.stem}"):
+            for twin in (path.with_name(f"{stem}.c"), path.with_name(f"{stem}.h")):
+                if twin.exists() and files.setdefault(twin.name, twin) != twin:
+                    raise ValueError(
+                        f"kernel of {module}: expected one file of each name, got {files[twin.name]} and {twin}"
+                    )
+    return tuple(files.values())

@@ -290,6 +290,17 @@ static Status check_finite(const Instance *instance, const char *function, Statu
     return STATUS_OK;
 }
 
+/* Check that the inputs are finite. */
+static Status check_inputs(const Instance *instance, const char *function, Status failure)
+{
+    if (check_finite(instance, function, failure, instance->values, FIRST_INPUT, INPUT_COUNT) != STATUS_OK ||
+        check_finite(instance, function, failure, instance->values, FIRST_ADDED_INPUT, ADDED_INPUT_COUNT) !=
+            STATUS_OK) {
+        return failure;
+    }
+    return STATUS_OK;
+}
+
 /* Check that the outputs in a table of values are finite. */
 static Status check_outputs(const Instance *instance, const char *function, Status failure, const double values[])
 {
@@ -311,8 +322,7 @@ static void take_outputs(Instance *instance, const double values[])
  * `failure` and changes nothing. */
 static Status initialize(Instance *instance, const char *function, Status failure)
 {
-    if (check_finite(instance, function, failure, instance->values, FIRST_INPUT, INPUT_COUNT) != STATUS_OK ||
-        prepare(instance, function, failure) != STATUS_OK) {
+    if (check_inputs(instance, function, failure) != STATUS_OK || prepare(instance, function, failure) != STATUS_OK) {
         return failure;
     }
     const ModelInputs inputs = model_inputs(instance->values);
@@ -362,7 +372,7 @@ static Status check_step(Instance *instance, const char *function, double time, 
                              "expected a step that ends within %.10g s either way, got %.10g s at t = %.10g s",
                              MAX_TIME, step_size, time);
     }
-    return check_finite(instance, function, STATUS_ERROR, instance->values, FIRST_INPUT, INPUT_COUNT);
+    return check_inputs(instance, function, STATUS_ERROR);
 }
 
 Status instance_step(Instance *instance, const char *function, double time, double step_size)

@@ -29,7 +29,7 @@ from fmus.component import (
     state_fields,
     unpack_state,
 )
-from fmus.variables import VariableDeclaration
+from fmus.variables import VariableDeclaration, record_of
 
 _PHASES = ("instantiated", "initializing", "stepping", "terminated")
 
@@ -352,7 +352,9 @@ class ComponentSlave(Fmi2Slave):
         return None
 
     def _parameters(self, values: Sequence[Any]) -> Any:
-        return self.component.parameters(*(self._resolve_path(value) for value in self._values_of("parameter", values)))
+        paths = (self._variables[reference].field for reference in self._references["parameter"])
+        resolved = map(self._resolve_path, self._values_of("parameter", values))
+        return record_of(self.component.parameters, dict(zip(paths, resolved, strict=True)))
 
     def _resolve_path(self, value: Any) -> Any:
         """Return the whole path of a file, which is relative to the resources of the FMU; other values stay."""

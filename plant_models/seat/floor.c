@@ -43,9 +43,7 @@ floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs
     floor_motion node = {history->displacement, history->velocity, history->acceleration};
     floor_motion motion;
     if (age > 0.0 && age < min_interval) {
-        motion.displacement = floor_displacement_at(&node, age);
-        motion.velocity = floor_velocity_at(&node, age);
-        motion.acceleration = node.acceleration;
+        motion = motion_from_time(&node, age);
         history->age = age + step_size;
     } else {
         if (age > 0.0) {
@@ -65,6 +63,6 @@ floor_motion floor_derive_motion(floor_history *history, const seat_plant_inputs
     history->displacement = node.displacement;
     history->velocity = node.velocity;
     history->acceleration = node.acceleration;
-    history->end_displacement = floor_displacement_at(&motion, step_size);
+    history->end_displacement = motion_displacement_at(&motion, step_size);
     return motion;
 }

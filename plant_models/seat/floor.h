@@ -2,12 +2,11 @@
 #ifndef FLOOR_H
 #define FLOOR_H
 
-#include "interface.h"
+#include "motion.h"
+#include "seat_interface.h"
 
-/* Second-order Taylor series about the begin of the step: z_v in m, z_v' in m/s, z_v'' in m/s2. */
-typedef struct {
-    double displacement, velocity, acceleration;
-} floor_motion;
+/* Motion z_v, z_v', z_v'' of the floor over one step. */
+typedef base_motion floor_motion;
 
 /* State of a derived floor. */
 typedef struct {
@@ -16,18 +15,6 @@ typedef struct {
     double interval;                             /* time between the last two samples in s, 0 where there is one only */
     double end_displacement;                     /* at the end of the last step, in m */
 } floor_history;
-
-/* Return z_v in m at tau seconds after the begin of the step. */
-static inline double floor_displacement_at(const floor_motion *motion, double tau)
-{
-    return motion->displacement + tau * (motion->velocity + 0.5 * tau * motion->acceleration);
-}
-
-/* Return z_v' in m/s at tau seconds after the begin of the step. */
-static inline double floor_velocity_at(const floor_motion *motion, double tau)
-{
-    return motion->velocity + tau * motion->acceleration;
-}
 
 /* Return the motion that the three floor inputs describe. */
 static inline floor_motion floor_motion_from_inputs(const seat_plant_inputs *inputs)

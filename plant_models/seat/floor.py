@@ -20,36 +20,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from plant_models.motion import Motion
 from plant_models.seat.interface import FloorSignals, Inputs
 
 MIN_INTERVAL = 1e-5
 """A sample that follows the last one sooner, in s, is ignored: its differences are mostly rounding errors."""
 
 
-class FloorMotion(NamedTuple):
-    """Motion of the floor over one step: second-order Taylor series about the begin of the step.
-
-    Attributes
-    ----------
-    displacement
-        z_v, in m, up positive.
-    velocity
-        z_v', in m/s.
-    acceleration
-        z_v'', in m/s2, constant over the step.
-    """
-
-    displacement: float
-    velocity: float
-    acceleration: float
-
-    def displacement_at(self, tau: float) -> float:
-        """Return z_v in m at ``tau`` seconds after the begin of the step."""
-        return self.displacement + tau * (self.velocity + 0.5 * tau * self.acceleration)
-
-    def velocity_at(self, tau: float) -> float:
-        """Return z_v' in m/s at ``tau`` seconds after the begin of the step."""
-        return self.velocity + tau * self.acceleration
+FloorMotion = Motion
+"""Motion z_v, z_v', z_v'' of the floor over one step."""
 
 
 class FloorHistory(NamedTuple):
@@ -149,7 +128,7 @@ def derive_motion(
         sampled = node = _next_sample(history, inputs, signals)
         interval = age
     else:
-        sampled = FloorMotion(node.displacement_at(age), node.velocity_at(age), node.acceleration)
+        sampled = node.from_time(age)
     # the correction takes as long as the deviation took to arise: in a short step after a long one it would be a jump
     correction = (sampled.displacement - start) / max(step_size, age)
     motion = FloorMotion(start, sampled.velocity + correction, sampled.acceleration)

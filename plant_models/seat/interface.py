@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from fmus.variables import POSITIVE, Terminal, input_, output, parameter
+from plant_models.driver import parameters as body
 from plant_models.random_numbers import MAX_SEED
 from plant_models.seat import parameters as p
 
@@ -24,8 +25,14 @@ _FORCE_BALANCE = (
     "end_stop.stiffness",
     "end_stop.damping",
     "end_stop.height",
+    "driver.model",
+    "driver_force",
 )
 """Variables on which the acceleration of the seat depends at rest."""
+
+_REACTION = tuple(name for name in _FORCE_BALANCE if name not in ("seat_mass", "driver.model", "driver_force"))
+"""Variables on which the forces of the suspension depend at rest; the acceleration of the floor is none of them, so a
+vehicle that is accelerated by the force forms no algebraic loop with the seat."""
 
 
 MAX_DELAY = 0.2
@@ -41,6 +48,14 @@ class FloorSignals(IntEnum):
     acceleration = 4
 
 
+class DriverModel(IntEnum):
+    """Who sits on the seat: one mass on the cushion, a body of four masses, or a driver outside behind a force."""
+
+    lumped = 1
+    seated = 2
+    external = 3
+
+
 @dataclass(slots=True)
 class Inputs:
     """Inputs of the seat.
@@ -51,12 +66,20 @@ class Inputs:
         z_v in m, z_v' in m/s, z_v'' in m/s2, up positive.
     force
         Force u_sat of the actuator on the seat, in N, up positive.
+    driver_force
+        Force of an external driver on the seat, in N, up positive; not used with a driver inside.
     """
 
     floor_displacement: float = input_("m", "Cabin floor displacement z_v from equilibrium, up positive", nominal=0.01)
     floor_velocity: float = input_("m/s", "Cabin floor velocity", nominal=0.1)
     floor_acceleration: float = input_("m/s2", "Cabin floor acceleration, without gravity", nominal=1.0)
     force: float = input_("N", "Actuator force u_sat on the seat, up positive", nominal=100.0)
+    driver_force: float = input_(
+        "N",
+        "Force of an external driver on the seat, up positive, without static weight; used with driver.model external",
+        nominal=100.0,
+        added=True,
+    )
 
 
 @dataclass(slots=True)
@@ -66,7 +89,8 @@ class Outputs:
     Attributes
     ----------
     seat_acceleration, driver_acceleration
-        z_s'' and z_b'', in m/s2, without gravity.
+        z_s'' and z_b'', in m/s2, without gravity. The driver's is that of pelvis and thighs of a seated body, and that
+        of the seat with an external driver, whose motion the seat does not know.
     suspension_deflection, deflection_rate
         z_s - z_v in m and its rate in m/s.
     seat_displacement, driver_displacement
@@ -75,6 +99,13 @@ class Outputs:
         f_r (35), in N; acts on the seat as -f_r.
     seat_acceleration_measured, suspension_deflection_measured
         Measurements of the two sensors, in m/s2 and m.
+    floor_force
+        Force of the seat on the cabin floor, minus the forces of the suspension on the seat, in N, without its static
+        weight; -(m_s z_s'' + m_b z_b'') with a lumped driver.
+    seat_velocity
+        z_s', in m/s.
+    head_acceleration
+        Of head and neck of a seated body, in m/s2; equal to ``driver_acceleration`` with other drivers.
     """
 
     seat_acceleration: float = output(
@@ -87,7 +118,13 @@ class Outputs:
         "m", "Suspension deflection z_s - z_v", nominal=0.01, dependencies=["floor_displacement"]
     )
     deflection_rate: float = output("m/s", "Rate of the deflection", nominal=0.1, dependencies=["floor_velocity"])
-    driver_acceleration: float = output("m/s2", "Driver acceleration z_b'', without gravity", nominal=1.0)
+    driver_acceleration: float = output(
+        "m/s2",
+        "Driver acceleration z_b'', without gravity; that of pelvis and thighs of a seated driver, that of the seat "
+        "with an external one",
+        nominal=1.0,
+        dependencies=_FORCE_BALANCE,
+    )
     seat_displacement: float = output("m", "Seat displacement z_s from equilibrium", nominal=0.01)
     driver_displacement: float = output("m", "Driver displacement z_b from equilibrium", nominal=0.01)
     friction_force: float = output(
@@ -116,6 +153,22 @@ class Outputs:
             "sensor.deflection_resolution",
             "sensor.seed",
         ],
+    )
+    floor_force: float = output(
+        "N",
+        "Force of the seat on the cabin floor, up positive, without static weight: minus the forces of suspension, "
+        "actuator and end stops on the seat",
+        nominal=100.0,
+        dependencies=_REACTION,
+        added=True,
+    )
+    seat_velocity: float = output("m/s", "Seat velocity z_s'", nominal=0.1, added=True)
+    head_acceleration: float = output(
+        "m/s2",
+        "Acceleration of the head of a seated driver, without gravity; with other drivers that of the driver",
+        nominal=1.0,
+        dependencies=_FORCE_BALANCE,
+        added=True,
     )
 
 
@@ -213,6 +266,26 @@ class Parameters:
         name="end_stop.height",
         added=True,
     )
+    driver_model: DriverModel = parameter(
+        DriverModel.lumped,
+        "Driver on the seat: one mass on the cushion, a seated body of four masses, or outside behind driver_force",
+        name="driver.model",
+        added=True,
+    )
+    contact_stiffness: float = parameter(
+        body.CONTACT_STIFFNESS,
+        "Stiffness of the contact of a seated driver at 55.2 kg, in place of the cushion's",
+        name="driver.contact_stiffness",
+        minimum=0.0,
+        added=True,
+    )
+    contact_damping: float = parameter(
+        body.CONTACT_DAMPING,
+        "Damping of the contact of a seated driver at 55.2 kg, in place of the cushion's",
+        name="driver.contact_damping",
+        minimum=0.0,
+        added=True,
+    )
 
 
 TERMINALS = (
@@ -226,5 +299,15 @@ TERMINALS = (
         "sensors",
         "Measurements of the sensors",
         {"acceleration": "seat_acceleration_measured", "deflection": "suspension_deflection_measured"},
+    ),
+    Terminal(
+        "driver",
+        "The contact with an external driver",
+        {
+            "displacement": "seat_displacement",
+            "velocity": "seat_velocity",
+            "acceleration": "seat_acceleration",
+            "force": "driver_force",
+        },
     ),
 )

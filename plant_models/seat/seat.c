@@ -5,9 +5,12 @@
  *   m_b z_b'' = -k_c (z_b - z_s) - c_c (z_b' - z_s')                                                            (2)
  *   f_r       = alpha z_d                                                                                       (35)
  *   z_d'      = A_d v - gamma_d |v| |z_d| z_d - beta_d v z_d^2,   v = z_s' - z_v'                               (36)
+ *
+ * A seated driver has the equations of body.h in place of (2), an external one is a held force on the seat.
  */
 #include "seat.h"
 
+#include "runge_kutta.h"
 #include "subnormal.h"
 
 #include <math.h>
@@ -16,15 +19,6 @@
 typedef seat_plant_state state_t;
 typedef seat_plant_masses masses_t;
 typedef seat_plant_coefficients coefficients_t;
-
-/* Longest Runge-Kutta substep in s. */
-static const double max_substep_length = 0.5e-3;
-
-/* Substeps per radian of the fastest motion. */
-static const double substeps_per_radian = 2.0;
-
-/* Parameters that need a substep below this, in s, are refused: a step would take too long. */
-static const double min_substep_length = 1e-5;
 
 static const double pi = 3.14159265358979323846;
 
@@ -37,19 +31,25 @@ static double contact_side(double deflection, const coefficients_t *c)
     return fabs(position) <= c->x_e ? 0.0 : position > 0.0 ? 1.0 : -1.0;
 }
 
-/* Return the part of z_s'' that an end stop causes, in m/s2; like rubber, it never pulls. */
-static double end_stop_acceleration(double deflection, double rate, double side, const coefficients_t *c)
+/* Return the force of an end stop on the seat in N, up positive; like rubber, it never pulls. */
+static double end_stop_force(double deflection, double rate, double side, const coefficients_t *c)
 {
     const double depth = side * (deflection + c->x_m) - c->x_e;
     const double push = c->k_e * depth + c->c_e * side * rate;
-    return -side * (push > 0.0 ? push : 0.0) * c->per_m_s;
+    return -side * (push > 0.0 ? push : 0.0);
+}
+
+/* Return the force of spring, damper and friction on the seat in N, up positive. */
+static double suspension_force(double deflection, double rate, double z_d, const coefficients_t *c)
+{
+    return -c->k_f * deflection - c->c_f * rate - c->alpha * z_d;
 }
 
 /* Solve (1) for z_s'' in m/s2, without end stops. */
 static double seat_acceleration(double deflection, double rate, double cushion_deflection, double cushion_rate,
                                 double z_d, double force, const coefficients_t *c)
 {
-    const double suspension = -c->k_f * deflection - c->c_f * rate - c->alpha * z_d;
+    const double suspension = suspension_force(deflection, rate, z_d, c);
     return (suspension + c->k_c * cushion_deflection + c->c_c * cushion_rate + force) * c->per_m_s;
 }
 
@@ -68,22 +68,91 @@ typedef struct {
 static accelerations slope(double z_s, double v_s, double z_b, double v_b, double tau, double z_d, double x_0,
                            const floor_motion *motion, double force, double side, const coefficients_t *c)
 {
-    const double x = z_s - floor_displacement_at(motion, tau);
-    const double v = v_s - floor_velocity_at(motion, tau);
+    const double x = z_s - motion_displacement_at(motion, tau);
+    const double v = v_s - motion_velocity_at(motion, tau);
     const double z_d_stage = friction_after_slip(z_d, x - x_0, &c->friction);
     const double cushion_deflection = z_b - z_s, cushion_rate = v_b - v_s;
     accelerations a;
     a.seat = seat_acceleration(x, v, cushion_deflection, cushion_rate, z_d_stage, force, c);
     if (side != 0.0) {
-        a.seat += end_stop_acceleration(x, v, side, c);
+        a.seat += end_stop_force(x, v, side, c) * c->per_m_s;
     }
     a.driver = driver_acceleration(cushion_deflection, cushion_rate, c);
     return a;
 }
 
-/* Take one step of classical Runge-Kutta over the four mechanical states, friction in closed form at every stage. The
- * substep begins tau seconds after the begin of the step and has the length h in s. The force in N is linear between
- * its ends. `side` is the end stop that is in contact over the substep. */
+/* Return z_d in m after a substep that ends with a displacement in m and a velocity in m/s of the seat. */
+static double friction_after(const masses_t *masses, double z_s, double v_s, const floor_motion *motion, double tau,
+                             double h, const coefficients_t *c)
+{
+    const double x_0 = masses->seat_displacement - motion_displacement_at(motion, tau);
+    const double x_1 = z_s - motion_displacement_at(motion, tau + h);
+    return friction_through_reversal(masses->friction, x_0, masses->seat_velocity - motion_velocity_at(motion, tau),
+                                     x_1, v_s - motion_velocity_at(motion, tau + h), h, &c->friction);
+}
+
+/* Write the accelerations of a seated body in m/s2, from the displacements in m and velocities in m/s of seat and
+ * body. */
+static void seated_accelerations(const double z[], const double v[], const coefficients_t *c, double a[])
+{
+    const double contact = body_contact_force(z[1] - z[0], v[1] - v[0], &c->body);
+    body_accelerations(z + 1, v + 1, contact, &c->body, a);
+}
+
+enum { SEATED_MASSES = 1 + BODY_MASSES };
+
+/* Write displacements in m and velocities in m/s of seat and seated body, upwards. */
+static void gather(const masses_t *masses, double z[], double v[])
+{
+    z[0] = masses->seat_displacement;
+    v[0] = masses->seat_velocity;
+    z[1] = masses->driver_displacement;
+    v[1] = masses->driver_velocity;
+    for (int i = 2; i < SEATED_MASSES; ++i) {
+        z[i] = masses->upper_displacements[i - 2];
+        v[i] = masses->upper_velocities[i - 2];
+    }
+}
+
+/* What the accelerations at a stage of a substep with a seated driver depend on. */
+typedef struct {
+    const floor_motion *motion;
+    const coefficients_t *c;
+    double first, last, side, tau, h, z_d, x_0; /* as of slope() and substep() */
+} seated_stage;
+
+static void seated_slope(const double z[], const double v[], double share, double a[], const void *context)
+{
+    const seated_stage *s = context;
+    const double force = s->first + share * (s->last - s->first);
+    const double tau = s->tau + share * s->h;
+    a[0] = slope(z[0], v[0], z[1], v[1], tau, s->z_d, s->x_0, s->motion, force, s->side, s->c).seat;
+    seated_accelerations(z, v, s->c, a + 1);
+}
+
+/* Take a substep with a seated driver; as substep(). */
+static void seated_substep(masses_t *masses, const floor_motion *motion, double first, double last, double side,
+                           double tau, double h, const coefficients_t *c)
+{
+    const double x_0 = masses->seat_displacement - motion_displacement_at(motion, tau);
+    const seated_stage stage = {motion, c, first, last, side, tau, h, masses->friction, x_0};
+    double z[SEATED_MASSES], v[SEATED_MASSES];
+    gather(masses, z, v);
+    runge_kutta_step(SEATED_MASSES, z, v, h, seated_slope, &stage);
+    masses->friction = flush_subnormal(friction_after(masses, z[0], v[0], motion, tau, h, c));
+    masses->seat_displacement = z[0];
+    masses->seat_velocity = v[0];
+    masses->driver_displacement = z[1];
+    masses->driver_velocity = v[1];
+    for (int i = 2; i < SEATED_MASSES; ++i) {
+        masses->upper_displacements[i - 2] = z[i];
+        masses->upper_velocities[i - 2] = v[i];
+    }
+}
+
+/* Take one step of classical Runge-Kutta over the four mechanical states of two masses, friction in closed form at
+ * every stage. The substep begins tau seconds after the begin of the step and has the length h in s. The force in N is
+ * linear between its ends. `side` is the end stop that is in contact over the substep. */
 static void substep(masses_t *masses, const floor_motion *motion, double first, double last, double side, double tau,
                     double h, const coefficients_t *c)
 {
@@ -91,7 +160,7 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
     const double z_s = masses->seat_displacement, v_s = masses->seat_velocity;
     const double z_b = masses->driver_displacement, v_b = masses->driver_velocity;
     const double z_d = masses->friction;
-    const double x_0 = z_s - floor_displacement_at(motion, tau);
+    const double x_0 = z_s - motion_displacement_at(motion, tau);
     const double half = 0.5 * h;
     const accelerations a_1 = slope(z_s, v_s, z_b, v_b, tau, z_d, x_0, motion, first, side, c);
     const double v_s2 = v_s + half * a_1.seat, v_b2 = v_b + half * a_1.driver;
@@ -108,9 +177,7 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
     const double z_b_end = z_b + sixth * (v_b + 2.0 * (v_b2 + v_b3) + v_b4);
     const double v_s_end = v_s + sixth * (a_1.seat + 2.0 * (a_2.seat + a_3.seat) + a_4.seat);
     const double v_b_end = v_b + sixth * (a_1.driver + 2.0 * (a_2.driver + a_3.driver) + a_4.driver);
-    const double x_end = z_s_end - floor_displacement_at(motion, tau + h);
-    const double z_d_end = friction_through_reversal(z_d, x_0, v_s - floor_velocity_at(motion, tau), x_end,
-                                                     v_s_end - floor_velocity_at(motion, tau + h), h, &c->friction);
+    const double z_d_end = friction_after(masses, z_s_end, v_s_end, motion, tau, h, c);
     masses->seat_displacement = flush_subnormal(z_s_end);
     masses->seat_velocity = flush_subnormal(v_s_end);
     masses->driver_displacement = flush_subnormal(z_b_end);
@@ -118,25 +185,51 @@ static void substep(masses_t *masses, const floor_motion *motion, double first, 
     masses->friction = flush_subnormal(z_d_end);
 }
 
-/* Evaluate the outputs, without measurements, tau seconds after the begin of the step. */
-static inline void evaluate_outputs(const masses_t *masses, const floor_motion *motion, double force, double tau,
-                                    const coefficients_t *c, seat_plant_outputs *outputs)
+/* Set the outputs about the driver, with the acceleration of the seat known. */
+static inline void evaluate_driver(const masses_t *masses, double cushion_deflection, double cushion_rate,
+                                   const coefficients_t *c, seat_plant_outputs *outputs)
 {
-    const double deflection = masses->seat_displacement - floor_displacement_at(motion, tau);
-    const double rate = masses->seat_velocity - floor_velocity_at(motion, tau);
+    outputs->driver_displacement = masses->driver_displacement;
+    if (c->driver_model == SEAT_PLANT_SEATED) {
+        double z[SEATED_MASSES], v[SEATED_MASSES], a[BODY_MASSES];
+        gather(masses, z, v);
+        seated_accelerations(z, v, c, a);
+        outputs->driver_acceleration = a[0];
+        outputs->head_acceleration = a[BODY_MASSES - 1];
+        return;
+    }
+    if (c->driver_model == SEAT_PLANT_EXTERNAL) {
+        outputs->driver_displacement = masses->seat_displacement;
+        outputs->driver_acceleration = outputs->seat_acceleration;
+    } else {
+        outputs->driver_acceleration = driver_acceleration(cushion_deflection, cushion_rate, c);
+    }
+    outputs->head_acceleration = outputs->driver_acceleration;
+}
+
+/* Evaluate the outputs, without measurements, tau seconds after the begin of the step; `force` is that of the actuator
+ * and `push` that of an external driver, in N. */
+static inline void evaluate_outputs(const masses_t *masses, const floor_motion *motion, double force, double push,
+                                    double tau, const coefficients_t *c, seat_plant_outputs *outputs)
+{
+    const double deflection = masses->seat_displacement - motion_displacement_at(motion, tau);
+    const double rate = masses->seat_velocity - motion_velocity_at(motion, tau);
     const double cushion_deflection = masses->driver_displacement - masses->seat_displacement;
     const double cushion_rate = masses->driver_velocity - masses->seat_velocity;
     outputs->seat_acceleration =
-        seat_acceleration(deflection, rate, cushion_deflection, cushion_rate, masses->friction, force, c);
+        seat_acceleration(deflection, rate, cushion_deflection, cushion_rate, masses->friction, force + push, c);
+    outputs->floor_force = -suspension_force(deflection, rate, masses->friction, c) - force;
     const double side = contact_side(deflection, c);
     if (side != 0.0) {
-        outputs->seat_acceleration += end_stop_acceleration(deflection, rate, side, c);
+        const double end_stop = end_stop_force(deflection, rate, side, c);
+        outputs->seat_acceleration += end_stop * c->per_m_s;
+        outputs->floor_force -= end_stop;
     }
     outputs->suspension_deflection = deflection;
     outputs->deflection_rate = rate;
-    outputs->driver_acceleration = driver_acceleration(cushion_deflection, cushion_rate, c);
     outputs->seat_displacement = masses->seat_displacement;
-    outputs->driver_displacement = masses->driver_displacement;
+    outputs->seat_velocity = masses->seat_velocity;
+    evaluate_driver(masses, cushion_deflection, cushion_rate, c, outputs);
     outputs->friction_force = c->alpha * masses->friction; /* (35) */
 }
 
@@ -159,18 +252,17 @@ static void filter_signals(state_t *state, const seat_plant_outputs *begin, cons
         sensor_low_pass(state->filtered.deflection, begin->suspension_deflection, end->suspension_deflection, angle);
 }
 
-/* Return the number of substeps over a time in s, at least 1. */
-static double substep_count(double time, const coefficients_t *c)
-{
-    const double needed = ceil(time / c->substep - 1e-6);
-    return needed > 1.0 ? needed : 1.0;
-}
-
 /* Take substeps of one length, from a time since the begin of the step on. The force is linear over each from `first`
  * to `last`, and the contact does not change. */
 static void take_substeps(masses_t *masses, const floor_motion *motion, double begin, double h, double count,
                           double first, double last, double side, const coefficients_t *c)
 {
+    if (c->driver_model == SEAT_PLANT_SEATED) {
+        for (double index = 0.0; index < count; index += 1.0) {
+            seated_substep(masses, motion, first, last, side, begin + index * h, h, c);
+        }
+        return;
+    }
     for (double index = 0.0; index < count; index += 1.0) {
         substep(masses, motion, first, last, side, begin + index * h, h, c);
     }
@@ -200,7 +292,7 @@ static void substep_with_contact(masses_t *masses, const floor_motion *motion, d
     double begin = tau, length = h, side = 0.0;
     if (c->x_e < INFINITY) {
         seat_plant_outputs outputs;
-        evaluate_outputs(masses, motion, first, tau, c, &outputs);
+        evaluate_outputs(masses, motion, first, 0.0, tau, c, &outputs);
         side = contact_side(outputs.suspension_deflection, c);
         const double part = time_to_contact(&outputs, side, motion, c);
         if (part < h) {
@@ -215,11 +307,12 @@ static void substep_with_contact(masses_t *masses, const floor_motion *motion, d
     take_substeps(masses, motion, begin, length, 1.0, first, last, side, c);
 }
 
-/* Integrate over a span of the step, in s since its begin, in which the target of the actuator is constant. */
-static void integrate_span(state_t *state, const floor_motion *motion, double begin, double end,
+/* Integrate over a span of the step, in s since its begin, in which the target of the actuator is constant; `push` is
+ * the force of an external driver in N. */
+static void integrate_span(state_t *state, const floor_motion *motion, double push, double begin, double end,
                            const coefficients_t *c)
 {
-    const double count = substep_count(end - begin, c);
+    const double count = runge_kutta_substep_count(end - begin, c->substep);
     const double h = (end - begin) / count;
     const int has_lag = c->actuator.time_constant > 0.0, has_low_pass = c->bandwidth > 0.0;
     actuator_lag prepared;
@@ -235,12 +328,12 @@ static void integrate_span(state_t *state, const floor_motion *motion, double be
         double first, last;
         seat_plant_outputs before, after;
         if (has_low_pass) {
-            evaluate_outputs(&state->masses, motion, force, tau, c, &before);
+            evaluate_outputs(&state->masses, motion, force, push, tau, c, &before);
         }
         force = actuator_apply_lag(force, target, lag, &first, &last);
-        substep_with_contact(&state->masses, motion, tau, h, first, last, c);
+        substep_with_contact(&state->masses, motion, tau, h, first + push, last + push, c);
         if (has_low_pass) {
-            evaluate_outputs(&state->masses, motion, force, tau + h, c, &after);
+            evaluate_outputs(&state->masses, motion, force, push, tau + h, c, &after);
             filter_signals(state, &before, &after, c->bandwidth * h);
         }
     }
@@ -248,32 +341,42 @@ static void integrate_span(state_t *state, const floor_motion *motion, double be
 }
 
 /* Integrate over a step, span by span between the changes that leave the delay line of the actuator. */
-static void integrate_spans(state_t *state, const floor_motion *motion, double time, double step_size,
+static void integrate_spans(state_t *state, const floor_motion *motion, double push, double time, double step_size,
                             const coefficients_t *c)
 {
     double begin = 0.0;
     while (begin < step_size) {
         const double end = actuator_release_due(&state->actuator, time, begin, step_size);
-        integrate_span(state, motion, begin, end, c);
+        integrate_span(state, motion, push, begin, end, c);
         begin = end;
     }
 }
 
 /* ---- the component ----------------------------------------------------------------------------------------------- */
 
-/* Return the longest substep in s for the fastest motion of these parameters. */
-static double max_substep(const seat_plant_parameters *p)
+/* Set stiffness and damping between seat and driver, for (1). */
+static void prepare_contact(const seat_plant_parameters *p, coefficients_t *c)
+{
+    const int lumped = p->driver_model == SEAT_PLANT_LUMPED, seated = p->driver_model == SEAT_PLANT_SEATED;
+    body_prepare(p->driver_mass, p->contact_stiffness, p->contact_damping, &c->body);
+    c->driver_model = p->driver_model;
+    c->k_c = lumped ? p->cushion_stiffness : seated ? c->body.k[0] : 0.0;
+    c->c_c = lumped ? p->cushion_damping : seated ? c->body.c[0] : 0.0;
+}
+
+/* Return the longest substep in s for the fastest motion of these parameters, with the contact prepared. */
+static double max_substep(const seat_plant_parameters *p, const coefficients_t *c)
 {
     /* the largest slope of the friction: unloading at the plateau, d zeta/dy = A 2 gamma/(gamma + beta) */
     const double slope = 2.0 * p->friction_amplitude * p->friction_gamma / (p->friction_gamma + p->friction_beta);
-    const int stops = p->end_stop_travel > 0.0;
-    const double elastic = p->suspension_stiffness + p->cushion_stiffness + p->friction_alpha * slope;
+    const int stops = p->end_stop_travel > 0.0, lumped = p->driver_model == SEAT_PLANT_LUMPED;
+    const double elastic = p->suspension_stiffness + c->k_c + p->friction_alpha * slope;
     const double stiffness = elastic + (stops ? p->end_stop_stiffness : 0.0);
-    const double damping = p->suspension_damping + p->cushion_damping + (stops ? p->end_stop_damping : 0.0);
-    const double lightest = p->driver_mass < p->seat_mass ? p->driver_mass : p->seat_mass;
-    const double fastest = sqrt(stiffness / lightest) + damping / lightest;
-    const double needed = 1.0 / (substeps_per_radian * fastest);
-    return fastest > 0.0 && !(max_substep_length <= needed) ? needed : max_substep_length;
+    const double damping = p->suspension_damping + c->c_c + (stops ? p->end_stop_damping : 0.0);
+    const double lightest = lumped && p->driver_mass < p->seat_mass ? p->driver_mass : p->seat_mass;
+    const double on_seat = sqrt(stiffness / lightest) + damping / lightest;
+    const double in_body = p->driver_model == SEAT_PLANT_SEATED ? body_fastest(&c->body) : 0.0;
+    return runge_kutta_substep_for(in_body > on_seat ? in_body : on_seat);
 }
 
 const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_plant_coefficients *coefficients)
@@ -289,18 +392,18 @@ const char *seat_plant_prepare(const seat_plant_parameters *parameters, seat_pla
     if (p->end_stop_travel > 0.0 && !(fabs(p->end_stop_height) < p->end_stop_travel)) {
         return "expected |end_stop.height| < end_stop.travel: static equilibrium is between the end stops";
     }
-    c->substep = max_substep(p);
-    if (!(c->substep >= min_substep_length)) {
+    prepare_contact(p, c);
+    c->substep = max_substep(p, c);
+    if (!(c->substep >= runge_kutta_min_substep)) {
         return "expected a fastest motion below 50000 rad/s from the stiffnesses suspension_stiffness, "
-               "cushion_stiffness, friction.alpha and end_stop.stiffness and the dampings suspension_damping, "
-               "cushion_damping and end_stop.damping on seat_mass and driver_mass";
+               "cushion_stiffness (driver.contact_stiffness of a seated driver), friction.alpha and end_stop.stiffness "
+               "and the dampings suspension_damping, cushion_damping (driver.contact_damping of a seated driver) and "
+               "end_stop.damping on seat_mass and driver_mass";
     }
     c->per_m_s = 1.0 / p->seat_mass;
     c->per_m_b = 1.0 / p->driver_mass;
     c->k_f = p->suspension_stiffness;
     c->c_f = p->suspension_damping;
-    c->k_c = p->cushion_stiffness;
-    c->c_c = p->cushion_damping;
     c->alpha = p->friction_alpha;
     c->floor_signals = p->floor_signals;
     c->x_e = p->end_stop_travel > 0.0 ? p->end_stop_travel : INFINITY;
@@ -330,6 +433,12 @@ int seat_plant_is_valid_state(const seat_plant_state *state, const seat_plant_pa
     return actuator_is_valid_state(&state->actuator);
 }
 
+/* Return the force of an external driver in N, 0 with a driver inside. */
+static double push_of(double driver_force, const coefficients_t *c)
+{
+    return c->driver_model == SEAT_PLANT_EXTERNAL ? driver_force : 0.0;
+}
+
 void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inputs,
                            const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs)
 {
@@ -340,29 +449,44 @@ void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inp
     state->floor.velocity = motion.velocity;
     state->floor.acceleration = motion.acceleration;
     actuator_initialize(&state->actuator, inputs->force, &coefficients->actuator);
-    evaluate_outputs(&state->masses, &motion, state->actuator.force, 0.0, coefficients, outputs);
+    const double push = push_of(inputs->driver_force, coefficients);
+    evaluate_outputs(&state->masses, &motion, state->actuator.force, push, 0.0, coefficients, outputs);
     state->filtered.acceleration = outputs->seat_acceleration;
     state->filtered.deflection = outputs->suspension_deflection;
     add_measurements(state, coefficients, time, outputs);
+}
+
+floor_motion seat_plant_begin_step(seat_plant_state *state, const seat_plant_inputs *inputs,
+                                   const seat_plant_coefficients *coefficients, double step_size)
+{
+    const int signals = coefficients->floor_signals;
+    return signals == SEAT_PLANT_ALL ? floor_motion_from_inputs(inputs)
+                                     : floor_derive_motion(&state->floor, inputs, signals, step_size);
+}
+
+void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force, double driver_force,
+                                 const seat_plant_coefficients *coefficients, double time, double step_size,
+                                 seat_plant_outputs *outputs)
+{
+    const double count = runge_kutta_substep_count(step_size, coefficients->substep);
+    const double push = push_of(driver_force, coefficients);
+    actuator_command(&state->actuator, force, &coefficients->actuator, time);
+    if (coefficients->single_span && state->actuator.line_length == 0.0) {
+        state->actuator.force = state->actuator.target;
+        const double both = state->actuator.force + push;
+        take_substeps(&state->masses, motion, 0.0, step_size / count, count, both, both, 0.0, coefficients);
+    } else {
+        integrate_spans(state, motion, push, time, step_size, coefficients);
+    }
+    evaluate_outputs(&state->masses, motion, state->actuator.force, push, step_size, coefficients, outputs);
+    add_measurements(state, coefficients, time + step_size, outputs);
 }
 
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
                         const seat_plant_coefficients *coefficients, double time, double step_size,
                         seat_plant_outputs *outputs)
 {
-    const int signals = coefficients->floor_signals;
-    const floor_motion motion = signals == SEAT_PLANT_ALL
-                                    ? floor_motion_from_inputs(inputs)
-                                    : floor_derive_motion(&state->floor, inputs, signals, step_size);
-    const double count = substep_count(step_size, coefficients);
-    actuator_command(&state->actuator, inputs->force, &coefficients->actuator, time);
-    if (coefficients->single_span && state->actuator.line_length == 0.0) {
-        state->actuator.force = state->actuator.target;
-        take_substeps(&state->masses, &motion, 0.0, step_size / count, count, state->actuator.force,
-                      state->actuator.force, 0.0, coefficients);
-    } else {
-        integrate_spans(state, &motion, time, step_size, coefficients);
-    }
-    evaluate_outputs(&state->masses, &motion, state->actuator.force, step_size, coefficients, outputs);
-    add_measurements(state, coefficients, time + step_size, outputs);
+    const floor_motion motion = seat_plant_begin_step(state, inputs, coefficients, step_size);
+    seat_plant_advance_on_floor(state, &motion, inputs->force, inputs->driver_force, coefficients, time, step_size,
+                                outputs);
 }

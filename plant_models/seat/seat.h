@@ -4,16 +4,19 @@
 #define SEAT_PLANT_H
 
 #include "actuator.h"
+#include "body.h"
 #include "floor.h"
 #include "friction.h"
-#include "interface.h"
+#include "seat_interface.h"
 #include "sensors.h"
 
-/* Mechanical state: two masses and the friction between seat and floor. */
+/* Mechanical state: seat, driver and the friction between seat and floor. */
 typedef struct {
     double seat_displacement, seat_velocity;     /* z_s in m, z_s' in m/s */
     double driver_displacement, driver_velocity; /* z_b in m, z_b' in m/s */
     double friction;                             /* z_d of (36) in m */
+    double upper_displacements[BODY_MASSES - 1]; /* of a seated body above its pelvis in m, 0 with other drivers */
+    double upper_velocities[BODY_MASSES - 1];    /* in m/s */
 } seat_plant_masses;
 
 /* Sensor signals after the low-pass: z_s'' in m/s2, z_s - z_v in m. */
@@ -30,9 +33,12 @@ typedef struct {
 
 /* Coefficients of the step, in the symbols of (1), (2) and (35). */
 typedef struct {
-    double per_m_s, per_m_b;   /* 1/m_s, 1/m_b in 1/kg */
-    double k_f, c_f, k_c, c_c; /* stiffnesses in N/m, dampings in N.s/m */
-    double alpha;              /* friction force per friction state in N/m */
+    double per_m_s, per_m_b; /* 1/m_s, 1/m_b in 1/kg */
+    double k_f, c_f;         /* suspension: stiffness in N/m, damping in N.s/m */
+    double k_c, c_c;         /* cushion, or contact of a seated driver; 0 with an external one */
+    int driver_model;        /* who sits on the seat */
+    body_coefficients body;  /* of a seated driver */
+    double alpha;            /* friction force per friction state in N/m */
     friction_coefficients friction;
     double substep;       /* longest Runge-Kutta substep in s */
     int floor_signals;    /* used floor inputs */
@@ -57,7 +63,17 @@ int seat_plant_is_valid_state(const seat_plant_state *state, const seat_plant_pa
 void seat_plant_initialize(seat_plant_state *state, const seat_plant_inputs *inputs,
                            const seat_plant_coefficients *coefficients, double time, seat_plant_outputs *outputs);
 
-/* Integrate (1)-(2) over one communication step; the force is held, the floor is extrapolated as in floor.py. */
+/* Extrapolate the floor over a communication step, as in floor.py; moves the history of the floor to its end. */
+floor_motion seat_plant_begin_step(seat_plant_state *state, const seat_plant_inputs *inputs,
+                                   const seat_plant_coefficients *coefficients, double step_size);
+
+/* Integrate (1)-(2) over a communication step, or a part of one, on a floor of known motion; the forces of the actuator
+ * and of an external driver are held. */
+void seat_plant_advance_on_floor(seat_plant_state *state, const floor_motion *motion, double force, double driver_force,
+                                 const seat_plant_coefficients *coefficients, double time, double step_size,
+                                 seat_plant_outputs *outputs);
+
+/* Integrate (1)-(2) over one communication step; the forces are held, the floor is extrapolated as in floor.py. */
 void seat_plant_advance(seat_plant_state *state, const seat_plant_inputs *inputs,
                         const seat_plant_coefficients *coefficients, double time, double step_size,
                         seat_plant_outputs *outputs);

@@ -1,6 +1,8 @@
 /* Bump, sine and sweep; see profiles.py for the formulas. */
 #include "profiles.h"
 
+#include "smooth_step.h"
+
 #include <math.h>
 
 static const double pi = 3.14159265358979323846;
@@ -25,20 +27,10 @@ void profile_sine(double time, double frequency, double amplitude, shaker_output
     floor->floor_acceleration = -amplitude * omega * omega * sin(omega * time);
 }
 
-/* Evaluate a smooth step from 0 at x = 0 to 1 at x = 1, without slope and curvature at both ends: value, slope,
- * curvature. */
-static void rise(double x, double step[3])
-{
-    const int within = x > 0.0 && x < 1.0;
-    step[0] = within ? x * x * x * (10.0 + x * (6.0 * x - 15.0)) : x >= 1.0 ? 1.0 : 0.0;
-    step[1] = within ? 30.0 * x * x * (1.0 - x) * (1.0 - x) : 0.0;
-    step[2] = within ? 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) : 0.0;
-}
-
 void profile_envelope(double time, double duration, double fade, double envelope[3])
 {
     const int rising = time + time <= duration;
-    rise((rising ? time : duration - time) / fade, envelope);
+    smooth_step((rising ? time : duration - time) / fade, envelope);
     envelope[1] = (rising ? envelope[1] : -envelope[1]) / fade;
     envelope[2] = envelope[2] / (fade * fade);
 }

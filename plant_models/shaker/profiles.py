@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 
 from plant_models.shaker.interface import Outputs, Parameters, SweepMode
+from plant_models.smooth_step import smooth_step
 
 TIME_TOLERANCE = 1e-9
 """Times closer than this, in s, are equal: communication points carry rounding errors."""
@@ -75,30 +76,6 @@ def sine(time: float, frequency: float, amplitude: float) -> Outputs:
     )
 
 
-def rise(x: float) -> tuple[float, float, float]:
-    """Evaluate a smooth step from 0 at x = 0 to 1 at x = 1, without slope and curvature at both ends.
-
-    Parameters
-    ----------
-    x
-        Any number.
-
-    Returns
-    -------
-    value, slope, curvature : float
-        The quintic 10 x^3 - 15 x^4 + 6 x^5 and its derivatives.
-    """
-    if x <= 0.0:
-        return 0.0, 0.0, 0.0
-    if x >= 1.0:
-        return 1.0, 0.0, 0.0
-    return (
-        x * x * x * (10.0 + x * (6.0 * x - 15.0)),
-        30.0 * x * x * (1.0 - x) * (1.0 - x),
-        60.0 * x * (1.0 - x) * (1.0 - 2.0 * x),
-    )
-
-
 def envelope(time: float, duration: float, fade: float) -> tuple[float, float, float]:
     """Evaluate a window that fades in from time 0 and out to ``duration``.
 
@@ -117,9 +94,9 @@ def envelope(time: float, duration: float, fade: float) -> tuple[float, float, f
         From 0 to 1, and the derivatives in 1/s and 1/s2.
     """
     if time + time <= duration:
-        value, slope, curvature = rise(time / fade)
+        value, slope, curvature = smooth_step(time / fade)
     else:
-        value, slope, curvature = rise((duration - time) / fade)
+        value, slope, curvature = smooth_step((duration - time) / fade)
         slope = -slope
     return value, slope / fade, curvature / (fade * fade)
 

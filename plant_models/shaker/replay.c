@@ -13,6 +13,9 @@ static const double pi = 3.14159265358979323846;
 /* Memory of the high-pass, in periods of its corner frequency: then 1e-4 of a state remains. */
 static const double memory = 2.0;
 
+/* Index of the first quantity of a recorded motion. */
+enum { ACCELERATION };
+
 /* Degree of the trend; numbers of arrays in a spline and of working arrays. */
 enum { DEGREE = 3, SPLINE_ARRAYS = 4, SCRATCH_ARRAYS = 6 };
 
@@ -145,8 +148,8 @@ static void find_displacements(const recording_samples *samples, double corner, 
                                double *const scratch[SCRATCH_ARRAYS])
 {
     const size_t count = samples->count;
-    const double *t = samples->times;
-    if (!samples->is_acceleration) {
+    const double *t = samples->axis;
+    if (samples->quantity != ACCELERATION) {
         for (size_t i = 0; i < count; ++i) {
             d[i] = samples->values[i] - samples->values[0];
         }
@@ -181,7 +184,7 @@ static void make_spline(const recording_samples *samples, double corner, double 
     spline->velocities = v;
     spline->accelerations = a;
     for (size_t i = 0; i < count; ++i) {
-        t[i] = samples->times[i];
+        t[i] = samples->axis[i];
     }
     find_displacements(samples, corner, fade, d, scratch);
     find_curvatures(count, t, d, a, scratch[0]);
@@ -213,14 +216,15 @@ static const char *allocate_spline(const recording_samples *samples, double corn
 
 const char *replay_load(const char *path, double high_pass, double fade, replay_spline *spline)
 {
+    const recording_columns columns = {"time", "s", {"acceleration", "displacement"}};
     recording_samples samples;
     spline->memory = NULL;
-    const char *problem = recording_read(path, &samples, spline->message, sizeof spline->message);
+    const char *problem = recording_read(path, &columns, &samples, spline->message, sizeof spline->message);
     if (problem != NULL) {
         return problem;
     }
-    const double end = samples.times[samples.count - 1];
-    if (samples.is_acceleration && !(end >= 2.0 * fade)) {
+    const double end = samples.axis[samples.count - 1];
+    if (samples.quantity == ACCELERATION && !(end >= 2.0 * fade)) {
         snprintf(spline->message, sizeof spline->message,
                  "%s: expected a recording as long as two fades, %.10g s, got %.10g s", path, 2.0 * fade, end);
         problem = spline->message;

@@ -22,9 +22,9 @@ from cmath import exp
 from typing import NamedTuple
 
 from fmus.component import ParameterError
+from plant_models.recording import MIN_ROWS, Samples, read
 from plant_models.shaker.interface import Outputs
 from plant_models.shaker.profiles import TIME_TOLERANCE, envelope
-from plant_models.shaker.recording import MIN_ROWS, Samples, read
 
 _DEGREE = 3
 _MEMORY = 2.0
@@ -130,7 +130,7 @@ def _high_pass(t: list[float], u: list[float], corner: float) -> list[float]:
 
 def _displacements(samples: Samples, high_pass: float, fade: float) -> list[float]:
     """Return the displacements of the samples in m."""
-    t, values = samples.times, samples.values
+    t, values = samples.axis, samples.values
     if samples.quantity == "displacement":
         return [value - values[0] for value in values]
     d = _detrend(t, _integrate_twice(t, values))
@@ -146,7 +146,7 @@ def load(path: str, high_pass: float, fade: float) -> Spline:
     Parameters
     ----------
     path
-        Path of the CSV file, see :mod:`plant_models.shaker.recording`.
+        Path of the CSV file, see :mod:`plant_models.recording`.
     high_pass
         Corner frequency in Hz for recorded accelerations, 0 for none.
     fade
@@ -163,7 +163,7 @@ def load(path: str, high_pass: float, fade: float) -> Spline:
         If the file cannot be used, or is too short for the fades.
     """
     samples = read(path)
-    t = samples.times
+    t = samples.axis
     if samples.quantity == "acceleration" and not t[-1] >= 2.0 * fade:
         expected = f"a recording as long as two fades, {2.0 * fade:.10g} s"
         raise ParameterError(f"{path}: expected {expected}, got {t[-1]:.10g} s")

@@ -169,9 +169,9 @@ def _print_certificate(certificate: Certificate, setting: Setting) -> None:
 def _print_robustness(gains: Gains) -> None:
     """Print the delay margins of seats that are not the one of the design."""
     from seat_controller_fmu.design.robustness import robustness
-    from seat_cosim.nominal_seat import nominal_seat
+    from seat_cosim.nominal_seat import nominal_seat, seated_body
 
-    margins = robustness(gains, nominal_seat)
+    margins = robustness(gains, nominal_seat, seated_body)
     title = "The same in seats that are not as assumed (ms; a dash where the loop is unstable)"
     table = Table(title=title, title_justify="left", box=SIMPLE)
     table.add_column("on the seat (kg)")

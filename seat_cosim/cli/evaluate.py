@@ -13,17 +13,25 @@ from rich.table import Table
 from cosim.engine.editing import edit
 from cosim.errors import SetupError
 from cosim.system import System
-from seat_cosim.carried import system_file
+from seat_cosim import carried
 from seat_cosim.cli.console import command_line, console, print_warnings, progress_shown
 from seat_cosim.cli.folders import EVALUATION, choose_folder, force_option
 from seat_cosim.cli.options import listed, replace_option, replacements, settings
 from seat_cosim.cli.seat_options import SeatOptions, seat_options
 from seat_cosim.evaluation.installation import Installation
-from seat_cosim.evaluation.seat import PASSIVE_NOTE, common_parameters, installed, passive_seat, seat_signals
-from seat_cosim.evaluation.system import EvaluatedSystem
+from seat_cosim.evaluation.seat import (
+    PASSIVE_NOTE,
+    SIGNALS,
+    common_parameters,
+    installed,
+    passive_seat,
+    seat_signals,
+    semi_active_seat,
+)
+from seat_cosim.evaluation.system import EvaluatedSystem, Road
 from seat_cosim.idle_parameters import refuse_idle
 from seat_cosim.plausibility import explained
-from seat_cosim.scenarios import read_parameter_sets
+from seat_cosim.scenarios import SHAKER, TRUCK, read_parameter_sets, seat_block
 
 if TYPE_CHECKING:  # the metrics take long to load
     from seat_cosim.evaluation.protocol import Protocol
@@ -47,7 +55,18 @@ _DEFAULT = seat_signals()
     metavar="MM|none",
     help="Of the test, each way, with rubber end stops; for both seats [default: 40].",
 )
-@click.option("--classes", metavar="EM1,EM3", help="Of ISO 7096, EN 13490, ISO 5007 [default: EM1 to EM9].")
+@click.option(
+    "--profile",
+    type=click.Choice(["machines", "roads"]),
+    default="machines",
+    show_default=True,
+    help="Floors of the standards' machines, or the cab of a truck on roads of ISO 8608.",
+)
+@click.option(
+    "--classes",
+    metavar="EM1,EM3",
+    help="Of ISO 7096, EN 13490, ISO 5007 [default: EM1 to EM9]; roads: class and km/h [default: A30 to E90].",
+)
 @click.option("--masses", metavar="KG,KG", help="Drivers [default: 45,55,70,80,100,120; iso7096: 55,100].")
 @click.option("--seeds", metavar="N,N", help="A run each [default: three that conform; iso7096: one].")
 @click.option("--duration", type=float, metavar="S", help="Evaluated of each run [default: 180].")
@@ -71,7 +90,9 @@ _DEFAULT = seat_signals()
     metavar="A.x",
     help=f"Takes the driver's mass; repeatable [default: {' and '.join(_DEFAULT.driver_mass)}, if there].",
 )
-@click.option("--shaker", metavar="COMPONENT", default="shaker", show_default=True, help="Which is our Shaker.")
+@click.option(
+    "--shaker", metavar="COMPONENT", help="Which is our Shaker, or TruckCab on roads [default: shaker; roads: truck]."
+)
 @click.option(
     "--travel-parameter",
     metavar="A.x",
@@ -93,7 +114,8 @@ def evaluate(
     deflection_signal: str | None,
     force_signal: str | None,
     mass_parameters: tuple[str, ...],
-    shaker: str,
+    profile: str,
+    shaker: str | None,
     travel_parameter: str | None,
     passive: str,
     processes: int | None,
@@ -115,6 +137,7 @@ def evaluate(
       seat-cosim evaluate --travel none --observer 2 --classes EM1,EM3 --masses 55,100
       seat-cosim evaluate --mode robust --set seat.actuator.time_constant=0.005
       seat-cosim evaluate --replace controller=Skyhook.fmu
+      seat-cosim evaluate --profile roads --classes C60,D30 --masses 55,100
       seat-cosim evaluate Chair.ssp --seat-signal chair.acc --driver-mass-parameter chair.load
     """
     from seat_cosim.evaluation.evaluate_to_folder import evaluate_to_folder
@@ -128,27 +151,39 @@ def evaluate(
         "driver_mass": mass_parameters,
         "end_stop_travel": travel_parameter,
     }
-    protocol = _protocol(**given)
+    floor = TRUCK if profile == "roads" else SHAKER
+    protocol = _protocol(floor, **given)
     installation = Installation.of(travel) if travel else Installation()
-    file = system_file(file) if file else None
-    system = System.load(file) if file else seat.system()
+    file = carried.system_file(file) if file else None
+    system = System.load(file) if file else seat.system(floor)
     edit(system, replacements(replace), (), ())
     fixture = installed(system, installation)
     before = system.parameters | fixture if travel else fixture | system.parameters
     system.parameters |= before | seat.parameters(system, before)
     system.check_parameters({})
+    component = shaker or floor
+    ours = SIGNALS[floor](component)
     refuse_idle(
         settings(seat.settings, system),
         system,
-        {f"{shaker}.profile": "random"} if system.has(f"{shaker}.profile") else {},
+        {name: value for name, value in ours.excitation.items() if system.has(name)},
     )
-    signals = seat_signals(shaker).for_system(system, {name: value for name, value in names.items() if value})
-    reference = seat.system()
-    common = installed(reference, installation) | common_parameters(system, shaker)
+    signals = ours.for_system(system, {name: value for name, value in names.items() if value})
+    reference = seat.system(floor)
+    common = installed(reference, installation) | common_parameters(system, component, floor)
     systems = [
         EvaluatedSystem(_title(system, seat, replace), system, signals, installation.travel),
-        passive_seat(reference, read_parameter_sets([passive], reference), common, _measured(names, reference)),
+        passive_seat(
+            reference,
+            read_parameter_sets([passive], reference),
+            common,
+            _measured(names, reference),
+            SIGNALS[floor](),
+        ),
     ]
+    if floor == TRUCK:
+        block = seat_block(carried.fmu_folder(seat.flavour, seat.fmus_folder), "SemiActiveSeat", floor)
+        systems.insert(1, semi_active_seat(block, common, floor))
     default = Path("results", "evaluate", file.stem if file else system.name)
     folder = choose_folder(output, default, command_line(), force=force, marker=EVALUATION)
     notes = [f"Installation of both seats: {_words(installation, systems)}.", *protocol_notes(protocol)]
@@ -176,15 +211,19 @@ def evaluate(
     console.print(f"{', '.join(path.name for path in files)} in {folder}", soft_wrap=True)
 
 
-def _protocol(protocol: str, **given: Any) -> Protocol:
+def _protocol(floor: str, protocol: str, **given: Any) -> Protocol:
     """Make the protocol of the options that are given."""
-    from seat_cosim.evaluation.protocol import PROTOCOLS
+    from seat_cosim.evaluation.protocol import ISO_7096, PROTOCOLS, ROAD_CLASSES
 
     for name, kind, what in (("classes", str, "names"), ("masses", float, "numbers"), ("seeds", int, "whole numbers")):
         if given[name] is not None:
             given[name] = listed(f"--{name}", given[name], kind, what)
             if not given[name]:
                 raise SetupError(f"{name}: expected each once, got none")
+    if floor == TRUCK:
+        if protocol == ISO_7096:
+            raise SetupError(f"--protocol {protocol} with --profile roads: expected one of them, got both")
+        given["classes"] = tuple(str(Road.of(name)) for name in given["classes"] or ROAD_CLASSES)
     return PROTOCOLS[protocol](**{name: value for name, value in given.items() if value is not None})
 
 

@@ -25,8 +25,9 @@ def info(file: str) -> None:
     That is: variables with units, ranges and start values; components and connections; values; how a run was made.
 
     \b
-    Without a suffix: SeatController, SeatPlant, Shaker, SeatSuspension or SeatSuspension-fmi3 of this project, or a
-    parameter set (load, passive, prototype, ride).
+    Without a suffix: an FMU of this project (SeatController, SeatPlant, Shaker, TruckCab, SeatedDriver, ActiveSeat,
+    PassiveSeat, SemiActiveSeat), a system (SeatSuspension, TruckSeat, and -fmi3 of both), or a parameter set (load,
+    passive, prototype, ride).
     Examples:
       seat-cosim info SeatController
       seat-cosim info SeatSuspension

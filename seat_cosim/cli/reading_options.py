@@ -155,6 +155,33 @@ def read_recording(recording_file: Path | None, channel: str | None, reading: Re
     return read_floor(recording_file.expanduser(), channel, reading.unit, reading.read_options())
 
 
+def read_scenario(
+    scenario: str, recording_file: Path | None, channel: str | None, reading: ReadingOptions
+) -> FloorRecording | None:
+    """Read the recording of the scenario ``file``.
+
+    Parameters
+    ----------
+    scenario
+        Name of the scenario.
+    recording_file, channel, reading
+        The options.
+
+    Returns
+    -------
+    FloorRecording or None
+        None without ``--recording``.
+
+    Raises
+    ------
+    SetupError
+        As :func:`read_recording`, and if it is another scenario.
+    """
+    if recording_file is not None and scenario != "file":
+        raise SetupError(f"--recording {recording_file}: expected with the scenario file, got {scenario}")
+    return read_recording(recording_file, channel, reading)
+
+
 def shaker_of(system: Structure) -> str:
     """Return the name of the component that plays a recording.
 

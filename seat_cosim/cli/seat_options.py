@@ -18,6 +18,9 @@ from seat_cosim import carried, choices, scenarios
 from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.options import parameters_option, set_option, settings
 from seat_cosim.cli.paths import with_user_paths
+from seat_cosim.evaluation.installation import Installation
+from seat_cosim.evaluation.seat import installed
+from seat_cosim.scenarios import Scenario
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -101,9 +104,15 @@ class SeatOptions:
     driver_mass: float | None = None
     settings: tuple[str, ...] = ()
 
-    def system(self) -> System:
-        """Return the seat suspension of the chosen FMUs, with its default parameters."""
-        return scenarios.seat_suspension(carried.fmu_folder(self.flavour, self.fmus_folder))
+    def system(self, floor: str = scenarios.SHAKER) -> System:
+        """Return the seat suspension of the chosen FMUs, with its default parameters.
+
+        Parameters
+        ----------
+        floor
+            Component that moves the floor, a key of :data:`seat_cosim.scenarios.FLOORS`.
+        """
+        return scenarios.seat_suspension(carried.fmu_folder(self.flavour, self.fmus_folder), floor)
 
     def parameters(self, system: Structure, before: Mapping[str, Value] | None = None) -> dict[str, Value]:
         """Return the parameters that the options set.
@@ -131,6 +140,25 @@ class SeatOptions:
         chosen["parameter_sets"] = self.parameter_files or None
         given = with_user_paths(settings(self.settings, system), system)
         return choices.parameters(chosen, given, system, before)
+
+    def ride(self, scenario: Scenario, system: Structure) -> dict[str, Value]:
+        """Return the parameters of a scenario, with what the options say.
+
+        Parameters
+        ----------
+        scenario
+            Its floor; a truck's seat has the end stops of a test.
+        system
+            System whose parameters they are.
+
+        Returns
+        -------
+        dict
+            ``component.variable`` to value.
+        """
+        stops = installed(system, Installation()) if scenario.floor == scenarios.TRUCK else {}
+        given = {**scenario.parameters, **stops}
+        return {**given, **self.parameters(system, given)}
 
     def check(self) -> None:
         """Check that every option has an effect; to be called by a command.

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 from cosim.errors import SetupError
 from seat_cosim.evaluation.inputs import INPUTS
+from seat_cosim.evaluation.system import Road
+from seat_cosim.scenarios import ROADS
 
 MAX_SPREAD = 0.05
 """Largest deviation of a test run's SEAT from the mean of the runs, as a share of the mean (ISO 10326-1)."""
@@ -21,6 +23,9 @@ REALIZATIONS = 3
 
 CLASSES = tuple(name for name, each in INPUTS.items() if each.standard == "ISO 7096")
 """Classes of ISO 7096."""
+
+ROAD_CLASSES = tuple(str(Road(name, speed)) for name in ROADS for speed in (30.0, 60.0, 90.0))
+"""Roads of ISO 8608 at speeds in km/h."""
 
 LIGHT, HEAVY = (52.0, 55.0), (98.0, 103.0)
 """Ranges of the mass of the two test persons of ISO 7096, in kg; *recalled*."""

@@ -9,9 +9,10 @@ from typing import Any
 from cosim.engine.structure import Structure
 from cosim.fmi.values import Value
 from cosim.system import System
+from plant_models.seat.interface import DriverModel
 from seat_cosim.evaluation.installation import Installation
 from seat_cosim.evaluation.system import EvaluatedSystem, SignalMap
-from seat_cosim.scenarios import FMUS, components_of, control, driver_mass, read_parameter_sets
+from seat_cosim.scenarios import FLOORS, FMUS, SHAKER, TRUCK, components_of, control, driver_mass, read_parameter_sets
 
 PASSIVE_NOTE = (
     "The passive seat is not the paper's, of which nothing is published: its damping is fitted on one of its numbers, "
@@ -21,11 +22,11 @@ PASSIVE_NOTE = (
 
 _TRAVEL, _STIFFNESS, _DAMPING = "seat.end_stop.travel", "seat.end_stop.stiffness", "seat.end_stop.damping"
 
-_OF_THE_TEST = ("driver_mass", "cushion_", "end_stop.", "floor_signals")
+_OF_THE_TEST = ("driver_mass", "driver.", "cushion_", "end_stop.", "floor_signals")
 """Beginnings of the names of SeatPlant's parameters that belong to the test: driver, cushion, end stops, floor."""
 
 
-def seat_signals(shaker: str = "shaker") -> SignalMap:
+def seat_signals(shaker: str = SHAKER) -> SignalMap:
     """Return the signal map of the seat suspension.
 
     Parameters
@@ -57,6 +58,30 @@ def seat_signals(shaker: str = "shaker") -> SignalMap:
     )
 
 
+def truck_signals(truck: str = TRUCK) -> SignalMap:
+    """Return the signal map of the seat in a truck, whose classes are roads at a speed, such as ``C60``.
+
+    Parameters
+    ----------
+    truck
+        Name of the component that is a TruckCab of this project.
+    """
+    return replace(
+        seat_signals(truck),
+        excitation={f"{truck}.road.profile": "iso8608"},
+        excitation_class=f"{truck}.road.class",
+        seed=f"{truck}.road.seed",
+        speed=f"{truck}.speed",
+        sine={},
+        sine_frequency=None,
+        sine_amplitude=None,
+    )
+
+
+SIGNALS = {SHAKER: seat_signals, TRUCK: truck_signals}
+"""What moves the floor to the signal map of the suspension on it."""
+
+
 def installed(system: Structure, installation: Installation) -> dict[str, Value]:
     """Return the parameters that give a seat the travel and the end stops of a test.
 
@@ -79,31 +104,64 @@ def installed(system: Structure, installation: Installation) -> dict[str, Value]
     return {_TRAVEL: installation.travel, _STIFFNESS: installation.stiffness, _DAMPING: installation.damping}
 
 
-def common_parameters(system: System, shaker: str = "shaker") -> dict[str, Value]:
+def common_parameters(system: System, component: str = SHAKER, floor: str = SHAKER) -> dict[str, Value]:
     """Return the parameters of a system that belong to the test, not to its seat: floor, driver, travel, end stops.
 
     Parameters
     ----------
     system
         The system that is tested; parameters of other FMUs than ours are the seat's.
-    shaker
-        Name of its Shaker.
+    component
+        Name of what moves its floor.
+    floor
+        What that is, a key of :data:`seat_cosim.scenarios.FLOORS`.
 
     Returns
     -------
     dict
         Names in the seat suspension, as ``component.variable``, to values.
     """
-    shaken = shaker in components_of(system, FMUS["shaker"])
+    shaken = component in components_of(system, FLOORS[floor])
     seated = "seat" in components_of(system, FMUS["seat"])
     found = {}
     for name, value in system.parameters.items():
-        component, _, variable = name.partition(".")
-        if component == shaker and shaken:
-            found[f"shaker.{variable}"] = value
-        elif component == "seat" and seated and variable.startswith(_OF_THE_TEST):
+        owner, _, variable = name.partition(".")
+        if owner == component and shaken:
+            found[f"{floor}.{variable}"] = value
+        elif owner == "seat" and seated and variable.startswith(_OF_THE_TEST):
             found[name] = value
     return found
+
+
+def semi_active_seat(system: System, common: Mapping[str, Value], floor: str) -> EvaluatedSystem:
+    """Return the semi-active seat as an evaluated system.
+
+    Parameters
+    ----------
+    system
+        From :func:`seat_cosim.scenarios.seat_block`; its parameters are changed.
+    common
+        Parameters of the test, from :func:`installed` and :func:`common_parameters`, by their names in the seat
+        suspension.
+    floor
+        What moves the floor, a key of :data:`seat_cosim.scenarios.FLOORS`.
+    """
+
+    def in_block(name: str) -> str:
+        return f"seat.{name}" if name.startswith("seat.") else name
+
+    system.parameters |= {in_block(name): value for name, value in common.items()}
+    ours = SIGNALS[floor]()
+    signals = replace(
+        ours,
+        driver_mass=(in_block("seat.driver_mass"),),
+        actuator_force=None,
+        force_limit=None,
+        end_stop_travel=in_block(_TRAVEL),
+        end_stop_height=in_block("seat.end_stop.height"),
+        noise_seed=in_block("seat.sensor.seed"),
+    )
+    return EvaluatedSystem("semi-active seat", system, signals, has_actuator=False)
 
 
 def inert_load(system: System) -> dict[str, Value]:
@@ -114,7 +172,11 @@ def inert_load(system: System) -> dict[str, Value]:
     system
         The system.
     """
-    return read_parameter_sets(["load"], system) if "seat" in components_of(system, FMUS["seat"]) else {}
+    if "seat" not in components_of(system, FMUS["seat"]):
+        return {}
+    one_mass = {"seat.driver.model": DriverModel.lumped.name}
+    strapped = read_parameter_sets(["load"], system)
+    return strapped | one_mass if "driver.model" in system.models["seat"].variables else strapped
 
 
 def passive_seat(
@@ -122,6 +184,7 @@ def passive_seat(
     parameters: Mapping[str, Value],
     common: Mapping[str, Value] | None = None,
     measured: Mapping[str, str] | None = None,
+    signals: SignalMap | None = None,
 ) -> EvaluatedSystem:
     """Switch a seat suspension's controller off and return it as an evaluated system.
 
@@ -135,8 +198,10 @@ def passive_seat(
         Parameters of the test, from :func:`installed` and :func:`common_parameters`; they win.
     measured
         Outputs at which the test measures accelerations: fields of the signal map to their names.
+    signals
+        Signal map of the suspension; that of one on a shaker where None.
     """
     system.parameters |= {**control(False), **parameters, **(common or {})}
     places: dict[str, Any] = dict(measured or {})
-    signals = replace(seat_signals(), actuator_force=None, force_limit=None, **places)
-    return EvaluatedSystem("passive seat", system, signals, is_passive=True)
+    signals = replace(signals or seat_signals(), actuator_force=None, force_limit=None, **places)
+    return EvaluatedSystem("passive seat", system, signals, is_passive=True, has_actuator=False)

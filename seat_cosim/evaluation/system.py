@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,12 +13,55 @@ from cosim.errors import SetupError, did_you_mean
 from cosim.fmi.values import Value
 from cosim.system import System
 from cosim.units import IDENTITY, Unit, conversion
+from seat_cosim.scenarios import KMH
 
 _METRE, _ACCELERATION, _NEWTON = (
     Unit("m", (0, 1, 0, 0, 0, 0, 0, 0)),
     Unit("m/s2", (0, 1, -2, 0, 0, 0, 0, 0)),
     Unit("N", (1, 1, -2, 0, 0, 0, 0, 0)),
 )
+
+
+class Road(NamedTuple):
+    """A class of excitation that is a road and a speed.
+
+    Attributes
+    ----------
+    name
+        Class of the road by ISO 8608.
+    speed
+        In km/h.
+
+    Examples
+    --------
+    >>> Road.of("C60"), str(Road("D", 37.5))
+    (Road(name='C', speed=60.0), 'D37.5')
+    """
+
+    name: str
+    speed: float
+
+    @classmethod
+    def of(cls, text: str) -> Road:
+        """Read a road and a speed.
+
+        Parameters
+        ----------
+        text
+            Such as ``C60``.
+
+        Raises
+        ------
+        SetupError
+            If it is none.
+        """
+        found = re.fullmatch(r"([A-Z])(\d+(?:\.\d+)?)", text)
+        if found is None or not float(found[2]) > 0.0:
+            raise SetupError(f"class {text}: expected a road and a speed in km/h, such as C60")
+        return cls(found[1], float(found[2]))
+
+    def __str__(self) -> str:
+        return f"{self.name}{self.speed:g}"
 
 
 @dataclass(frozen=True)
@@ -34,6 +78,9 @@ class SignalMap:
         Parameters, with their values, under which the floor moves at random.
     excitation_class, seed
         Parameters that take the class and the seed of the excitation.
+    speed
+        Parameter that takes the speed in m/s, where a class is a road and a speed in km/h, such as ``C60``; None for
+        classes that are the names of an enumeration.
     suspension_deflection, actuator_force
         Outputs; None for a system without.
     end_stop_travel
@@ -67,6 +114,7 @@ class SignalMap:
     sine: Mapping[str, Value] = field(default_factory=dict)
     sine_frequency: str | None = None
     sine_amplitude: str | None = None
+    speed: str | None = None
 
     @property
     def outputs(self) -> dict[str, Unit]:
@@ -98,10 +146,17 @@ class SignalMap:
         """
         return {
             **self.excitation,
-            self.excitation_class: excitation_class,
+            **self._of_class(excitation_class),
             self.seed: seed,
             **dict.fromkeys(self.driver_mass, mass),
         }
+
+    def _of_class(self, name: str) -> dict[str, Value]:
+        """Return the parameters of a class; raises SetupError for one that is no road and speed, where it must be."""
+        if self.speed is None:
+            return {self.excitation_class: name}
+        road = Road.of(name)
+        return {self.excitation_class: road.name, self.speed: road.speed / KMH}
 
     def for_system(self, system: System, given: Mapping[str, Any]) -> SignalMap:
         """Return this map with other names, and without optional ones that a system does not have.
@@ -156,7 +211,7 @@ class SignalMap:
         parameters = (
             *(*self.driver_mass, *self.excitation, self.excitation_class, self.seed),
             *(self.end_stop_travel, self.end_stop_height),
-            *(*self.sine, self.sine_frequency, self.sine_amplitude),
+            *(*self.sine, self.sine_frequency, self.sine_amplitude, self.speed),
         )
         for name in filter(None, parameters):
             try:
@@ -187,8 +242,9 @@ class EvaluatedSystem:
         Travel of the test in m, to each side, within which a system without end stops of its own must stay; None for
         unlimited travel.
     is_passive
-        Whether it has no actuator by construction: it is judged without criteria of the force, and others are compared
-        with it.
+        Whether it is the passive seat, with which others are compared.
+    has_actuator
+        Whether it has one: without, there are no criteria of the force.
     """
 
     title: str
@@ -196,6 +252,7 @@ class EvaluatedSystem:
     signals: SignalMap
     test_travel: float | None = None
     is_passive: bool = False
+    has_actuator: bool = True
 
     @property
     def end_stop_travel(self) -> float | None:

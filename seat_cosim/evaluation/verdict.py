@@ -175,8 +175,8 @@ def judge(evaluation: Evaluation, protocol: Protocol, reference: Evaluation | No
     protocol
         Its protocol. Repeatability and damping are criteria of a protocol that repeats its inputs.
     reference
-        Evaluation of the passive seat on the same rides. The passive seat itself has no criteria of the force, and is
-        not compared with itself.
+        Evaluation of the passive seat on the same rides, which is not compared with itself. A seat without an actuator
+        has no criterion of the force.
 
     Returns
     -------
@@ -195,7 +195,8 @@ def judge(evaluation: Evaluation, protocol: Protocol, reference: Evaluation | No
         ]
         if not evaluated.is_passive:
             judgements.insert(1, judge_seat_vdv(result, reference.results[key] if reference else None))
-            judgements.insert(4, judge_saturation(result))
+        if evaluated.has_actuator:
+            judgements.insert(-1, judge_saturation(result))
         if protocol.repeats_inputs:
             judgements += [judge_repeatability(result), judge_damping(excitation_class, evaluation.damping)]
         cells[key] = Verdict(tuple(judgements))

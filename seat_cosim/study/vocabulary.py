@@ -17,9 +17,9 @@ from cosim.system import System
 from seat_cosim import carried, choices
 from seat_cosim.evaluation.results import RideResult
 from seat_cosim.evaluation.runner import measure
-from seat_cosim.evaluation.seat import seat_signals
+from seat_cosim.evaluation.seat import SIGNALS
 from seat_cosim.evaluation.system import EvaluatedSystem, SignalMap
-from seat_cosim.scenarios import SCENARIOS
+from seat_cosim.scenarios import SCENARIOS, floor_of
 
 _OF_RIDE = {
     "a_w": "m/s2",
@@ -101,6 +101,9 @@ class SeatVocabulary(Vocabulary):
         """
         if word == "scenario":
             _scenario(value)
+            if (floor := SCENARIOS[str(value)].floor) not in system.models:
+                have = ", ".join(system.models)
+                raise SetupError(f"scenario {value}: expected a system with a component {floor}, got one of {have}")
         elif word == "driver_mass":
             if isinstance(value, bool | str) or not value > 0.0:
                 raise SetupError(f"driver_mass: expected a number above 0 kg, got {value}")
@@ -184,7 +187,7 @@ class SeatVocabulary(Vocabulary):
         """Return the signal map of a system, without optional signals that it does not have."""
         known = self._signals.get(id(system.models))
         if known is None:
-            given, outputs = seat_signals(), set(system.outputs())
+            given, outputs = SIGNALS[floor_of(system.models)](), set(system.outputs())
             optional: dict[str, Any] = {
                 name: getattr(given, name) if getattr(given, name) in outputs else None
                 for name in ("suspension_deflection", "actuator_force")

@@ -12,17 +12,14 @@
  */
 #include "controller.h"
 
+#include "sampling.h"
+
 #include <math.h>
 #include <stddef.h>
 
 typedef seat_controller_real real;
 
 #define REAL(number) ((real)(number))
-
-static const double pi = 3.14159265358979323846;
-
-/* A sample is due if its time is reached within this share of the sample time: hosts accumulate rounding errors. */
-static const double sample_tolerance = 1e-3;
 
 /* Largest distance of the next sample from the time that a run has reached, in s; allows for rounding errors of hosts.
  */
@@ -78,9 +75,7 @@ const char *seat_controller_prepare(const seat_controller_parameters *parameters
     const real h = p->sample_time;
     const real hL = h * (h_1 * L_1 + h_2 * L_2);
     const real D_2 = h_1 / range.minimum + h_2 / range.maximum; /* 1/M (11) */
-    const real tau = REAL(1.0) / (REAL(2.0 * pi) * p->rate_filter_cutoff);
-    c->rate_decay = tau / (tau + h);
-    c->rate_gain = REAL(1.0) / (tau + h);
+    rate_filter(p->rate_filter_cutoff, h, &c->rate_decay, &c->rate_gain);
     c->observer_acceleration = hL;
     c->observer_deflection = hL * p->suspension_stiffness * D_2;
     c->observer_force = hL * D_2;
@@ -100,7 +95,8 @@ const char *seat_controller_prepare(const seat_controller_parameters *parameters
 const char *seat_controller_warning(const seat_controller_parameters *parameters)
 {
     const seat_controller_parameters *p = parameters;
-    if (p->driver_mass_min <= p->driver_mass && p->driver_mass <= p->driver_mass_max) {
+    const int within = p->driver_mass_min <= p->driver_mass && p->driver_mass <= p->driver_mass_max;
+    if (within || p->mode == SEAT_CONTROLLER_ROBUST) {
         return NULL;
     }
     return "driver_mass lies outside [driver_mass_min, driver_mass_max]: the gains of the nearer end are used";
@@ -134,7 +130,7 @@ static void robust_sample_step(seat_controller_state *state, const seat_controll
     const real given = inputs->suspension_deflection;
     const real previous = state->started ? state->deflection : given - given < REAL(1.0) ? given : REAL(0.0);
     const real delta = given - given < REAL(1.0) ? given : previous;
-    const real v = c->rate_decay * state->rate + c->rate_gain * (delta - previous);
+    const real v = filtered_rate(state->rate, previous, delta, c->rate_decay, c->rate_gain);
     const robust_sample measured = {inputs->seat_acceleration, given, previous, v, state->force, c->enabled};
     real demand, force;
     robust_step(&state->robust, &measured, &c->robust, &demand, &force);
@@ -152,7 +148,7 @@ static void published_sample(seat_controller_state *state, const seat_controller
 {
     const real delta = inputs->suspension_deflection;
     const real previous = state->started ? state->deflection : delta;
-    const real v = c->rate_decay * state->rate + c->rate_gain * (delta - previous);
+    const real v = filtered_rate(state->rate, previous, delta, c->rate_decay, c->rate_gain);
     real F_hat = REAL(0.0), u = REAL(0.0), u_sat = REAL(0.0);
     if (c->enabled) {
         const real applied = c->anti_windup ? state->force : state->demand;
@@ -207,7 +203,7 @@ void seat_controller_initialize(seat_controller_state *state, const seat_control
 {
     (void)inputs; /* no sample is taken */
     seat_controller_start(state, coefficients);
-    state->next_sample = ceil(time / coefficients->sample_time - sample_tolerance);
+    state->next_sample = samples_before(time, coefficients->sample_time);
     held_outputs(state, coefficients, outputs);
 }
 
@@ -215,7 +211,7 @@ void seat_controller_advance(seat_controller_state *state, const seat_controller
                              const seat_controller_coefficients *coefficients, double time, double step_size,
                              seat_controller_outputs *outputs)
 {
-    const double end = ceil((time + step_size) / coefficients->sample_time - sample_tolerance);
+    const double end = samples_before(time + step_size, coefficients->sample_time);
     while (state->next_sample < end) {
         sample(state, inputs, coefficients);
         state->next_sample += 1.0;

@@ -26,9 +26,7 @@ from seat_controller_fmu.fuzzy import MassRange, observer_gain
 from seat_controller_fmu.interface import TERMINALS, Constants, Fault, Inputs, Mode, Outputs, Parameters
 from seat_controller_fmu.parameters import SAMPLE_TIME
 from seat_controller_fmu.robust import RobustCoefficients, RobustState
-
-SAMPLE_TOLERANCE = 1e-3
-"""A sample is due if its time is reached within this share of the sample time: hosts accumulate rounding errors."""
+from seat_controller_fmu.sampling import filtered_rate, rate_filter, samples_before
 
 
 class State(NamedTuple):
@@ -175,10 +173,10 @@ def prepare(parameters: Parameters) -> Coefficients:
     h = SAMPLE_TIME.value
     hL = h * (h_1 * L_1 + h_2 * L_2)
     D_2 = vertices.inverse_mass(mass)
-    tau = 1.0 / (2.0 * math.pi * p.rate_filter_cutoff)
+    rate_decay, rate_gain = rate_filter(p.rate_filter_cutoff, h)
     return Coefficients(
-        rate_decay=tau / (tau + h),
-        rate_gain=1.0 / (tau + h),
+        rate_decay=rate_decay,
+        rate_gain=rate_gain,
         observer_acceleration=hL,
         observer_deflection=hL * p.suspension_stiffness * D_2,
         observer_force=hL * D_2,
@@ -219,7 +217,7 @@ def step(state: State, inputs: Inputs, coefficients: Coefficients) -> tuple[Stat
         return _robust_step(state, inputs, c)
     delta = inputs.suspension_deflection
     previous = state.deflection if state.started else delta
-    v = c.rate_decay * state.rate + c.rate_gain * (delta - previous)
+    v = filtered_rate(state.rate, previous, delta, c.rate_decay, c.rate_gain)
     if c.enabled:
         applied = state.force if c.anti_windup else state.demand
         innovation = c.observer_acceleration * inputs.seat_acceleration + c.observer_deflection * delta
@@ -239,7 +237,7 @@ def _robust_step(state: State, inputs: Inputs, c: Coefficients) -> tuple[State, 
     finite = math.isfinite(given)
     previous = state.deflection if state.started else given if finite else 0.0
     delta = given if finite else previous
-    v = c.rate_decay * state.rate + c.rate_gain * (delta - previous)
+    v = filtered_rate(state.rate, previous, delta, c.rate_decay, c.rate_gain)
     sample = robust.Sample(inputs.seat_acceleration, given, previous, v, state.force, c.enabled)
     after, demand, force = robust.step(state.robust, sample, c.robust)
     estimate = after.estimate if after.active else 0.0
@@ -301,8 +299,9 @@ def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple
     outputs : Outputs
         All 0, except the estimates: these are the nominal values.
     """
-    first = math.ceil(time / SAMPLE_TIME.value - SAMPLE_TOLERANCE)
-    state = State(first, False, 0.0, 0.0, 0.0, 0.0, 0.0, robust.start(coefficients.robust))
+    state = State(
+        samples_before(time, SAMPLE_TIME.value), False, 0.0, 0.0, 0.0, 0.0, 0.0, robust.start(coefficients.robust)
+    )
     return state, held_outputs(state, coefficients)
 
 
@@ -331,7 +330,7 @@ def advance(
     outputs : Outputs
         Those of the last sample, also if none was due in the step.
     """
-    end = math.ceil((time + step_size) / SAMPLE_TIME.value - SAMPLE_TOLERANCE)
+    end = samples_before(time + step_size, SAMPLE_TIME.value)
     outputs = None
     while state.next_sample < end:
         state, outputs = step(state, inputs, coefficients)
@@ -339,7 +338,7 @@ def advance(
 
 
 def warnings(parameters: Parameters) -> list[str]:
-    """Warn of a driver's mass outside the range of the gains, where the scheduling is clamped.
+    """Warn of a driver's mass outside the range of the gains, where the scheduling is clamped; mode robust has none.
 
     Parameters
     ----------
@@ -352,7 +351,7 @@ def warnings(parameters: Parameters) -> list[str]:
         At most one message.
     """
     p = parameters
-    if p.driver_mass_min <= p.driver_mass <= p.driver_mass_max:
+    if p.mode == Mode.robust or p.driver_mass_min <= p.driver_mass <= p.driver_mass_max:
         return []
     return [
         f"driver_mass {p.driver_mass} kg lies outside [{p.driver_mass_min}, {p.driver_mass_max}] kg: "

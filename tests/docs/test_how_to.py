@@ -13,6 +13,7 @@ import numpy as np
 
 from cosim.conformance.suite import validate
 from seat_cosim.scenarios import seat_suspension
+from tests.docs.test_tutorial import blocks, run
 from tests.helpers.paths import ROOT
 
 PYTHON = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -38,3 +39,12 @@ def test_a_controller_without_boolean_outputs(native: Path, tmp_path: Path):
     assert set(ours) - set(copied) == {f"controller.{name}" for name in lost}
     for name, values in copied.items():
         np.testing.assert_array_equal(values, ours[name])
+
+
+def test_the_seat_as_one_block_prints_what_its_page_says(native: Path, tmp_path: Path):
+    page = (ROOT / "docs" / "how-to" / "use-the-seat-as-one-block.md").read_text(encoding="utf-8")
+    (tmp_path / "fmus").symlink_to(native)
+    scripts = [block for block in blocks(page) if block.language == "python"]
+    assert len(scripts) == 3
+    for script in scripts:
+        assert run(script, tmp_path) == script.output

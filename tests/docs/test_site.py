@@ -19,8 +19,10 @@ from tests.helpers.paths import ROOT
 PAGES = [*sorted((ROOT / "docs").rglob("*.md")), *sorted(ROOT.glob("*.md")), *sorted((ROOT / "examples").rglob("*.md"))]
 
 CODE = re.compile(r"(?<!`)`([^`\n]+)`(?!`)")
-PATH = re.compile(r"(?:benchmarks|cosim|docs|examples|fmus|plant_models|seat_cosim|src|studies|tests)/[\w./-]+")
-NAME = re.compile(r"(?:cosim|fmus|plant_models|seat_controller_fmu|seat_cosim)(?:\.[A-Za-z]\w*)+")
+PATH = re.compile(
+    r"(?:benchmarks|cosim|docs|examples|fmus|plant_models|seat_blocks|seat_cosim|src|studies|tests)/[\w./-]+"
+)
+NAME = re.compile(r"(?:cosim|fmus|plant_models|seat_blocks|seat_controller_fmu|seat_cosim)(?:\.[A-Za-z]\w*)+")
 BUILT = re.compile(r"fmus/(?:fmi2|fmi3|python|built|SeatSuspension|\*)|docs/(?:tutorial|how-to|reference|explanation)$")
 """Paths of files that a build makes, and folders."""
 

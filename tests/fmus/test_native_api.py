@@ -18,6 +18,9 @@ WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wno-type-limits", "-Werror"]  # 
 UNDER_VALGRIND = {("SeatController", "fmi2"), ("Shaker", "fmi3")}
 """Those which run under valgrind in every run of the tests, the others under sanitizers; `make test-all` runs all."""
 
+RARELY = {("PassiveSeat", "fmi2"), ("PassiveSeat", "fmi3"), ("ActiveSeat", "fmi2"), ("SemiActiveSeat", "fmi3")}
+"""Those which run in `make test-all` only: their kernels are those of others, their glue that of the other flavour."""
+
 pytestmark = [pytest.mark.builds, pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")]
 
 
@@ -39,7 +42,7 @@ test_program.__test__ = False  # type: ignore[attr-defined]
 @pytest.mark.parametrize(
     ("component", "flavour"),
     [
-        pytest.param(c, flavour, marks=[pytest.mark.long] if (c.name, flavour) in UNDER_VALGRIND else [])
+        pytest.param(c, flavour, marks=[pytest.mark.long] if (c.name, flavour) in UNDER_VALGRIND | RARELY else [])
         for c in COMPONENTS
         for flavour in NATIVE
     ],

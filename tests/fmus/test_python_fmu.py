@@ -84,11 +84,13 @@ def drive(host: Host, k: int) -> list[float]:
         host.set(seat_acceleration=np.sin(0.3 * k), suspension_deflection=0.02 * np.sin(0.1 * k))
     elif "floor_velocity" in host.references and "force" in host.references:
         host.set(floor_displacement=0.01 * np.sin(0.1 * k), floor_velocity=0.5 * np.cos(0.1 * k), force=40 * np.sin(k))
+    elif "seat_velocity" in host.references and "contact_force" in host.references:
+        host.set(seat_displacement=0.01 * np.sin(0.1 * k), seat_velocity=0.5 * np.cos(0.1 * k))
     host.step(k)
     return host.outputs()
 
 
-@pytest.mark.parametrize("name", ["SeatController", "SeatPlant", "Shaker"])
+@pytest.mark.parametrize("name", ["SeatController", "SeatPlant", "Shaker", "SeatedDriver"])
 def test_state_round_trips_continue_bit_identically(fmus: Path, tmp_path: Path, name: str):
     random = np.random.default_rng(2)
     path = fmus / f"{name}.fmu"

@@ -8,7 +8,19 @@ import pytest
 
 from fmus.component import Component
 from fmus.units import Dimension, dimension
-from fmus.variables import Quantity, VariableDeclaration, input_, parameter, variables_of
+from fmus.variables import (
+    Quantity,
+    VariableDeclaration,
+    file_parameter,
+    group,
+    input_,
+    left_out_of,
+    output,
+    parameter,
+    record_of,
+    same_as,
+    variables_of,
+)
 from seat_cosim.components import COMPONENTS
 
 ALL = [variable for component in COMPONENTS for variable in component.variables]
@@ -94,3 +106,99 @@ def test_a_dataclass_is_the_declaration():
     assert (gain.name, gain.field, gain.variability, gain.start) == ("law.gain", "gain", "tunable", 2.0)
     assert gain.description == "A gain; K (here)"
     assert Record().gain == 2.0
+
+
+# ---- records in records ----------------------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class Spring:
+    stiffness: float = parameter(Quantity(2.0, "N/m", "k", "here"), "Stiffness", name="spring.k", minimum=1.0)
+    preload: float = parameter(Quantity(0.0, "N", "F_0", "none"), "Preload", added=True)
+    steps: int = parameter(3, "Steps")
+
+
+@dataclass(slots=True)
+class Pair:
+    gap: float = parameter(Quantity(0.1, "m", "g", "here"), "Gap")
+    front: Spring = group(Spring, "front", without=["steps"])
+    rear: Spring = group(
+        Spring, "rear", starts={"stiffness": Quantity(0.0, "N/m", "k", "soft")}, minimums={"stiffness": 0.0}
+    )
+
+
+@dataclass(slots=True)
+class Vehicle:
+    left: Pair = group(Pair, "left")
+    right: Pair = group(
+        Pair, "right", without=["gap", "front.preload"], starts={"rear.stiffness": Quantity(7.0, "N/m", "k", "hard")}
+    )
+
+
+def test_a_record_in_a_record_has_its_names_behind_a_prefix():
+    names = {v.name: v for v in variables_of(Pair)}
+    assert list(names) == ["gap", "front.spring.k", "front.preload", "rear.spring.k", "rear.preload", "rear.steps"]
+    rear = names["rear.spring.k"]
+    assert (rear.field, rear.start, rear.minimum, rear.description) == (
+        "rear.stiffness",
+        0.0,
+        0.0,
+        "Stiffness; k (soft)",
+    )
+    assert (names["front.spring.k"].start, names["front.spring.k"].minimum) == (2.0, 1.0)
+    assert names["rear.preload"].added
+    assert [(v.field, v.start) for v in left_out_of(Pair)] == [("front.steps", 3)]
+
+
+def test_records_nest_to_any_depth():
+    names = [v.name for v in variables_of(Vehicle)]
+    assert names[:2] == ["left.gap", "left.front.spring.k"]
+    assert "right.gap" not in names
+    assert {v.field for v in left_out_of(Vehicle)} == {
+        "left.front.steps", "right.gap", "right.front.preload", "right.front.steps",
+    }  # fmt: skip
+    assert Vehicle().right.rear.stiffness == 7.0
+    assert Vehicle().left.rear.stiffness == 0.0
+
+
+def test_a_record_is_built_from_flat_values():
+    values = {v.field: v.start for v in variables_of(Vehicle)}
+    assert record_of(Vehicle, values) == Vehicle()
+    changed = record_of(Vehicle, {**values, "right.front.stiffness": 4.0})
+    assert (changed.right.front.stiffness, changed.right.rear.stiffness, changed.right.gap) == (4.0, 7.0, 0.1)
+    assert record_of(Vehicle, {}) == Vehicle()
+
+
+def test_wrong_groups_are_refused():
+    @dataclass
+    class File:
+        path: str = file_parameter("here.csv", "A file")
+
+    for wrong in ({"without": ["length"]}, {"starts": {"length": 1}}, {"minimums": {"length": 1.0}}):
+        with pytest.raises(ValueError, match="group of Spring: expected a field that is no file, got length"):
+            group(Spring, **wrong)
+    with pytest.raises(ValueError, match="got path"):
+        group(File, without=["path"])
+
+    @dataclass
+    class Other:
+        spring: Spring = group(Spring, "spring", starts={"stiffness": Quantity(2.0, "N/m", "c", "another symbol")})
+
+    with pytest.raises(ValueError, match=r"start of spring\.stiffness: expected its symbol and unit"):
+        variables_of(Other)
+
+
+def test_outputs_of_a_part_depend_on_the_names_in_the_whole():
+    @dataclass
+    class Part:
+        force: float = output("N", "A force", dependencies=["k", "x"], added=True)
+        rest: float = output("N", "Another", dependencies=["x"])
+
+    @dataclass
+    class Whole:
+        part: Part = group(Part, dependencies={"k": ["own.k", "part.k"]})
+        again: float = same_as(Part, "force", dependencies=["x"])
+
+    force, rest, again = variables_of(Whole)
+    assert (force.name, force.field, force.dependencies) == ("force", "part.force", ("own.k", "part.k", "x"))
+    assert (rest.dependencies, again.name, again.dependencies, again.added) == (("x",), "again", ("x",), False)

@@ -1,6 +1,6 @@
 /* A recording's memory through the life of instances: prepared anew, refused, saved, restored, reset, freed in any
- * state. Takes the paths of a good and of a wrong file; a sanitizer looks for leaks. Returns the number of the line
- * that failed. */
+ * state. Takes the paths of a good and of a wrong file, and the names of the parameters for profile and path; a
+ * sanitizer looks for leaks. Returns the number of the line that failed. */
 #include "api.h"
 
 #include <string.h>
@@ -25,11 +25,13 @@ static uint32_t reference(const char *name)
     return i;
 }
 
+static const char *profile_name, *path_name;
+
 static int choose(Fmu fmu, const char *path)
 {
-    const uint32_t profile = reference("profile");
+    const uint32_t profile = reference(profile_name);
     const double file = FILE_PROFILE;
-    return set(fmu, TYPE_INTEGER, &profile, 1, &file) == 0 && set_text(fmu, reference("file.path"), path) == 0;
+    return set(fmu, TYPE_INTEGER, &profile, 1, &file) == 0 && set_text(fmu, reference(path_name), path) == 0;
 }
 
 static int displaced(Fmu fmu)
@@ -41,7 +43,12 @@ static int displaced(Fmu fmu)
 
 int main(int count, char *words[])
 {
-    const char *good = words[1], *wrong = words[count - 1];
+    if (count < 5) {
+        return __LINE__;
+    }
+    const char *good = words[1], *wrong = words[2];
+    profile_name = words[3];
+    path_name = words[4];
     MessageLog messages = {0};
     void *state = NULL;
     Fmu fmu = make("instance", MODEL_TOKEN, true, &messages), other = make("other", MODEL_TOKEN, true, &messages);

@@ -1,4 +1,4 @@
-"""Parameters that are refused as idle have no effect; others of mode and profile have one."""
+"""Parameters that are refused as idle have no effect; others of mode, profile and driver have one."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,15 +10,19 @@ from cosim.engine.run_options import RunOptions
 from cosim.engine.session import Session
 from cosim.errors import SetupError
 from cosim.system import System
+from plant_models.seat.interface import DriverModel
 from plant_models.shaker.interface import Profile
+from plant_models.truck.interface import Profile as RoadProfile
 from seat_controller_fmu.interface import Mode
 from seat_cosim.idle_parameters import refuse_idle
-from seat_cosim.scenarios import seat_suspension
+from seat_cosim.scenarios import TRUCK, seat_suspension
 from tests.helpers.shell import Shell
 
 CHOICES = [
     *({"controller.mode": mode.name} for mode in Mode),
     *({"shaker.profile": profile.name} for profile in Profile),
+    *({"truck.road.profile": profile.name} for profile in RoadProfile),
+    *({"seat.driver.model": model.name} for model in DriverModel),
 ]
 
 
@@ -28,9 +32,11 @@ def seat(native: Path) -> System:
 
 
 @pytest.fixture(scope="module")
-def session(seat: System) -> Iterator[Session]:
-    with seat.open() as opened:
-        yield opened
+def sessions(seat: System, native: Path) -> Iterator[dict[str, tuple[System, Session]]]:
+    """Components to a system that has them, and its session."""
+    driven = seat_suspension(native / "fmi2", TRUCK)
+    with seat.open() as shaken, driven.open() as on_road:
+        yield {**dict.fromkeys(seat.models, (seat, shaken)), TRUCK: (driven, on_road)}
 
 
 def is_idle(name: str, system: System, choice: dict[str, str]) -> bool:
@@ -56,15 +62,16 @@ def changed(system: System, name: str) -> object:
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: "".join(choice.values()))
-def test_what_is_refused_has_no_effect(seat: System, session: Session, choice: dict[str, str]):
+def test_what_is_refused_has_no_effect(sessions: dict[str, tuple[System, Session]], choice: dict[str, str]):
     component = next(iter(choice)).partition(".")[0]
+    seat, session = sessions[component]
     names = [
         f"{component}.{name}"
         for name, variable in seat.models[component].variables.items()
         if variable.causality == "parameter" and variable.type != "String"
     ]
     idle = [name for name in names if is_idle(name, seat, choice)]
-    assert len(idle) > 8
+    assert len(idle) > {TRUCK: 2, "seat": 1}.get(component, 8)
 
     recorded = [name for name in seat.outputs() if name != "controller.friction_estimate"]  # repeats its parameter
 
@@ -86,6 +93,7 @@ def test_what_is_refused_has_no_effect(seat: System, session: Session, choice: d
         ),
         ({"controller.mode": "robust"}, ["controller.travel", "controller.robust.bias_rate", "controller.force_limit"]),
         ({"shaker.profile": "sine"}, ["shaker.sine.amplitude", "shaker.platform.bandwidth", "shaker.profile"]),
+        ({"seat.driver.model": "seated"}, ["seat.driver.contact_stiffness", "seat.driver_mass"]),
         ({}, ["seat.driver_mass", "nobody.robust.x", "shaker.bump.height", "shaker.sine"]),
     ],
 )
@@ -103,6 +111,10 @@ def test_what_is_used_is_not_refused(seat: System, choice: dict[str, str], used:
         ("run bump --set controller.travel=0.05", "controller.mode = robust, which uses it, got published"),
         ("run bump --mode robust --set controller.L1=-100", "controller.mode = published, which uses it, got robust"),
         ("simulate SeatSuspension --set shaker.file.fade=1", "expected shaker.profile = file, which uses it, got bump"),
+        (
+            "run bump --set seat.driver.contact_damping=2000",
+            "seat.driver.contact_damping: expected seat.driver.model = seated, which uses it, got lumped",
+        ),
         ("evaluate --set shaker.bump.height=0.05", "expected shaker.profile = bump, which uses it, got random"),
         ("compare off passive --set shaker.sweep.duration=9", "shaker.sweep.duration: expected shaker.profile = sweep"),
         (

@@ -18,7 +18,7 @@ from cosim.sweep.plan import Batch, make_plan
 from cosim.sweep.study import Study
 from seat_cosim.cli.seat_options import SeatOptions
 from seat_cosim.cli.sweep import duration
-from seat_cosim.scenarios import seat_suspension
+from seat_cosim.scenarios import SYSTEM_NAMES, TRUCK, seat_suspension
 from seat_cosim.study import SHIPPED, SeatVocabulary, read
 from seat_cosim.study.figures import FIGURES, _variance_shares, pareto_front
 from tests.helpers.paths import ROOT
@@ -32,9 +32,10 @@ PAGE = ROOT / "docs" / "explanation" / "robustness-studies.md"
 def carried_folder(native: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder whose subfolder ``fmus`` has the system of the native FMUs."""
     folder = tmp_path_factory.mktemp("carried")
-    system = seat_suspension(native / "fmi2")
-    system.stop_time = 3.0
-    system.save(folder / "fmus" / "SeatSuspension.ssp")
+    for floor, name in SYSTEM_NAMES.items():
+        system = seat_suspension(native / "fmi2", floor)
+        system.stop_time = 3.0
+        system.save(folder / "fmus" / f"{name}.ssp")
     (folder / "fmus" / "fmi2").symlink_to(native / "fmi2")
     return folder
 
@@ -92,6 +93,23 @@ def test_metrics_are_those_of_the_same_ride_by_hand(here: Path, native: Path):
     assert stops.hits > 0
     assert expected["saturated_share"] > 0.0
     assert set(expected) == set(SeatVocabulary.metrics)
+
+
+def test_a_seat_in_a_truck_is_measured_against_its_cab(here: Path, native: Path):
+    found = rows(
+        study(
+            system="TruckSeat", words={"scenario": "truck"}, stop_time=6.0, warm_up=2.0, metrics=["seat", "floor_a_w"]
+        )
+    )
+    system = seat_suspension(native / "fmi2", TRUCK)
+    given = make_plan(study(system="TruckSeat", words={"scenario": "truck"})).case({}).options
+    result = system.simulate(6.0, parameters=given.values)
+    driver, floor = (
+        metrics.ride(result[f"{each}_acceleration"], 500.0, 2.0) for each in ("seat.driver", "truck.floor")
+    )
+    assert (found["error"], found["floor_a_w"], found["seat"]) == ([None], [floor.a_w], [driver.a_w / floor.a_w])
+    with pytest.raises(SetupError, match="scenario truck: expected a system with a component truck, got one of"):
+        make_plan(study(words={"scenario": "truck"}))
 
 
 @pytest.mark.parametrize(
@@ -166,7 +184,7 @@ def test_files_of_parameters_travel(here: Path, tmp_path: Path):
     [
         ({"words": {"gains": "recomended"}}, "recommended"),
         ({"words": {"mode": "robuts"}}, "mode: expected one of published, robust, got robuts (did you mean robust?)"),
-        ({"words": {"scenario": "bmp"}}, "scenario: expected one of bump, sine, sweep, random, file, got bmp"),
+        ({"words": {"scenario": "bmp"}}, "scenario: expected one of bump, sine, sweep, random, file, truck, got bmp"),
         ({"words": {"control": True}}, "control: expected one of on, off, passive, got True"),
         ({"vary": [grid(driver_mass=(55.0, -1.0))]}, "driver_mass: expected a number above 0 kg, got -1.0"),
         ({"vary": [grid(observer=("1", "3"))]}, "observer: expected one of 1, 2, equal-rate, got 3"),

@@ -10,7 +10,12 @@ import pytest
 
 from tests.helpers.paths import ROOT
 
-FOLDERS = ("fmus", "fmus/native", "plant_models", "plant_models/seat", "plant_models/shaker", "src/seat_controller_fmu")
+PARTS = ("plant_models/seat", "src/seat_controller_fmu")
+"""Folders of the models that the blocks join."""
+
+_MODELS = ("plant_models", "plant_models/driver", "plant_models/shaker", "plant_models/truck", *PARTS, "seat_blocks")
+
+FOLDERS = ("fmus", "fmus/native", *_MODELS)
 """Folders of the C code; an FMU has the files of several of them in one folder."""
 
 GENERATED = {"model.h", "defaults.h"}
@@ -21,28 +26,36 @@ STANDARD = re.compile(r"fmi[23]\w+\.h")
 
 HELPERS = {
     "actuator",
+    "body",
     "floor",
     "friction",
+    "motion",
     "noise",
     "platform",
     "profiles",
     "random_numbers",
     "recording",
     "replay",
+    "road",
+    "runge_kutta",
     "sensors",
+    "smooth_step",
+    "vehicle",
 }
-MODELS = {"seat.h", "shaker.h"}
+MODELS = {"driver.h", "seat.h", "shaker.h", "truck.h"}
 
 FILES = sorted(path for folder in FOLDERS for suffix in ("*.c", "*.h") for path in (ROOT / folder).glob(suffix))
 
 
 def includes(path: Path) -> list[Path]:
-    """Return the files of the project that a file includes, from its own folder or the folder of shared headers."""
+    """Return the files of the project that a file includes, from its own folder or the folders of shared headers."""
     found = []
     for name in re.findall(r'^#include "(.+)"', path.read_text(encoding="utf-8"), re.MULTILINE):
         if name in GENERATED or STANDARD.fullmatch(name):
             continue
-        candidates = [folder / name for folder in (path.parent, path.parent.parent, ROOT / "fmus")]
+        folders = [path.parent, path.parent.parent, ROOT / "fmus", ROOT / "plant_models/driver"]
+        folders += [ROOT / part for part in PARTS if path.parent.name == "seat_blocks"]
+        candidates = [folder / name for folder in folders]
         found.append(next(path for path in candidates if path.is_file()))
     return found
 
@@ -70,10 +83,14 @@ def test_every_helper_is_found():
 
 
 def test_packages_include_no_file_of_one_another():
-    """Models include their own package and the shared headers of fmus; the glue code includes no model by name."""
+    """Models include their own package and the shared headers of fmus; the glue code includes no model by name.
+
+    The blocks, a layer above, include the models that they join.
+    """
     for path, included in GRAPH.items():
         package = path.relative_to(ROOT).parts[0]
         for file in included:
             other = file.relative_to(ROOT).parts[0]
-            assert other in (package, "fmus"), f"{path.name} includes {file}"
+            joined = ("plant_models", "src") if package == "seat_blocks" else ()
+            assert other in (package, "fmus", *joined), f"{path.name} includes {file}"
             assert "native" not in file.parts or "native" in path.parts, f"{path.name} includes {file}"

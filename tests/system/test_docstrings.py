@@ -47,6 +47,7 @@ LEVELS = {
     "fmus": Level(short=0, unnamed=0, parameters=0.96, results=1.0),
     "plant_models": Level(short=0, unnamed=0, parameters=0.95, results=1.0),
     "seat_controller_fmu": Level(short=0, unnamed=0, parameters=1.0, results=1.0),
+    "seat_blocks": Level(short=0, unnamed=0, parameters=0.9, results=0.9),
     "seat_cosim": Level(short=0, unnamed=0, parameters=0.76, results=0.65),
 }
 """Package, without the inner packages that are named as well, to its level."""

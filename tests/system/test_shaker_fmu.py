@@ -93,6 +93,8 @@ def test_states_continue_bit_identically(fmus: Path, native: Path, flavour: str,
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_each_scenario_runs_on_the_seat(native: Path, scenario: str):
-    result = seat_suspension(native / "fmi2").simulate(2.0, H, SCENARIOS[scenario].parameters)
+    result = seat_suspension(native / "fmi2", SCENARIOS[scenario].floor).simulate(
+        2.0, H, SCENARIOS[scenario].parameters
+    )
     assert result.complete
     assert np.abs(result["seat.driver_acceleration"]).max() > 0.01

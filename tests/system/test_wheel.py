@@ -19,7 +19,7 @@ from fmus.export.native_fmu import PLATFORMS, host_platform
 from seat_cosim.build import build_all
 from tests.helpers.paths import NATIVE, ROOT
 
-PACKAGES = ("benchmarks", "cosim", "examples", "fmus", "plant_models", "seat_cosim", "src", "studies")
+PACKAGES = ("benchmarks", "cosim", "examples", "fmus", "plant_models", "seat_blocks", "seat_cosim", "src", "studies")
 """Folders of the clone that are copied; of the others the files alone."""
 
 MADE = shutil.ignore_patterns("fmi2", "fmi3", "python", "built", "*.ssp", "*.egg-info", "__pycache__")

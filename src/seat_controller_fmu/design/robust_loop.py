@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from seat_controller_fmu import robust
-from seat_controller_fmu.design.sampled_loop import MAX_DELAY, SeatFor, SeatModel
+from seat_controller_fmu.design.sampled_loop import MAX_DELAY, BodyFor, DriverBody, SeatFor, SeatModel, mechanics
 from seat_controller_fmu.interface import Parameters
 from seat_controller_fmu.parameters import SAMPLE_TIME
 
@@ -103,16 +103,17 @@ def linear_controller(parameters: Parameters, follow: float = 0.0) -> tuple[Arra
 class ActuatedSeat(NamedTuple):
     """The seat with its actuator's lag in discrete time: x' = A x + B_u u + B_floor d, [a, delta] = C x.
 
-    The state is [z_s - z_v, z_s' - z_v', z_b - z_v, z_b' - z_v', force on the seat]; d is the floor's acceleration.
+    The state is [z_s - z_v, z_s' - z_v', z_b - z_v, z_b' - z_v', force on the seat], n = 5, with the other masses of a
+    body before the force; d is the floor's acceleration.
 
     Attributes
     ----------
     A, B_u, B_floor
-        Shapes (5, 5), (5, 1), (5, 1).
+        Shapes (n, n), (n, 1), (n, 1).
     C
-        Shape (2, 5).
+        Shape (2, n).
     driver
-        Row of the driver's acceleration z_b'' over the state, shape (5,).
+        Row of the driver's acceleration z_b'' over the state, shape (n,).
     """
 
     A: Array
@@ -122,8 +123,8 @@ class ActuatedSeat(NamedTuple):
     driver: Array
 
 
-def actuated_seat(seat: SeatModel, lag: float) -> ActuatedSeat:
-    """Discretise the two-mass seat (1)-(2) without friction, with force demand and floor held over a sample.
+def actuated_seat(seat: SeatModel, lag: float, body: DriverBody | None = None) -> ActuatedSeat:
+    """Discretise the seat (1)-(2) without friction, with force demand and floor held over a sample.
 
     Parameters
     ----------
@@ -131,29 +132,31 @@ def actuated_seat(seat: SeatModel, lag: float) -> ActuatedSeat:
         Parameters of the seat.
     lag
         Time constant of the actuator, in s; 0 for none.
+    body
+        As of :func:`~seat_controller_fmu.design.sampled_loop.mechanics`.
 
     Returns
     -------
     ActuatedSeat
         Matrices of the seat.
     """
-    k, c, k_c, c_c = seat.suspension_stiffness, seat.suspension_damping, seat.cushion_stiffness, seat.cushion_damping
-    m_s, m_b = seat.seat_mass, seat.driver_mass
-    a_s = np.array([-(k + k_c), -(c + c_c), k_c, c_c, 1.0]) / m_s
-    a_b = np.array([k_c, c_c, -k_c, -c_c, 0.0]) / m_b
-    held = np.zeros((7, 7))  # state, demand, floor
-    held[0, 1] = held[2, 3] = 1.0
-    held[1, :5], held[3, :5] = a_s, a_b
-    held[1, 6] = held[3, 6] = -1.0
+    moving = mechanics(seat, body)
+    force = len(moving)
+    demand, floor, n = force + 1, force + 2, force + 1
+    held = np.zeros((force + 3, force + 3))  # state, demand, floor
+    held[:force, :force] = moving
+    held[1, force] = 1.0 / seat.seat_mass
+    held[1:force:2, floor] = -1.0
+    a_s, a_b = held[1, :n].copy(), held[3, :n].copy()
     if lag > 0.0:
-        held[4, 4], held[4, 5] = -1.0 / lag, 1.0 / lag
+        held[force, force], held[force, demand] = -1.0 / lag, 1.0 / lag
     else:
-        held[1, 5], held[1, 4] = held[1, 4], 0.0  # the demand itself acts
+        held[1, demand], held[1, force] = held[1, force], 0.0  # the demand itself acts
     step = expm(held * SAMPLE_TIME.value)
-    A, B_u, B_floor = step[:5, :5], step[:5, 5:6], step[:5, 6:7]
+    A, B_u, B_floor = step[:n, :n], step[:n, [demand]], step[:n, [floor]]
     if lag <= 0.0:
-        A[4], B_u[4] = 0.0, 1.0
-    return ActuatedSeat(A, B_u, B_floor, np.vstack([a_s, np.eye(5)[0]]), a_b)
+        A[force], B_u[force] = 0.0, 1.0
+    return ActuatedSeat(A, B_u, B_floor, np.vstack([a_s, np.eye(n)[0]]), a_b)
 
 
 class RobustLoop(NamedTuple):
@@ -260,12 +263,15 @@ class Case:
         Driver's mass in kg that the controller assumes; None for the true one.
     cushion
         Factor on stiffness and damping of the cushion; infinite for a rigid load.
+    seated
+        Whether the driver is a body of several masses in place of the mass on the cushion.
     """
 
     name: str
     follow: float = 0.0
     told_mass: float | None = None
     cushion: float = 1.0
+    seated: bool = False
 
 
 CASES = (
@@ -277,6 +283,7 @@ CASES = (
     Case("off, cushion x 0.6", cushion=0.6),
     Case("off, cushion x 1.6", cushion=1.6),
     Case("off, rigid load not told", cushion=float("inf")),
+    Case("off, seated driver", seated=True),
 )
 """Cases of the certificate."""
 
@@ -313,7 +320,9 @@ def _with_cushion(seat: Any, factor: float) -> Any:
     )
 
 
-def certify(parameters: Parameters, seat_for: SeatFor, masses: tuple[float, ...]) -> LoopCertificate:
+def certify(
+    parameters: Parameters, seat_for: SeatFor, masses: tuple[float, ...], body_for: BodyFor | None = None
+) -> LoopCertificate:
     """Compute delay margins and worst-case gains; the actuator is the one that the parameters name.
 
     Parameters
@@ -324,6 +333,8 @@ def certify(parameters: Parameters, seat_for: SeatFor, masses: tuple[float, ...]
         Function from the driver's mass in kg to the seat.
     masses
         Drivers' masses, in kg.
+    body_for
+        Function from the driver's mass in kg to the seated driver; without the cases of one if None.
 
     Returns
     -------
@@ -334,12 +345,15 @@ def certify(parameters: Parameters, seat_for: SeatFor, masses: tuple[float, ...]
     margins: dict[str, dict[float, float]] = {}
     gains: dict[str, dict[float, float]] = {}
     for case in CASES:
+        if case.seated and body_for is None:
+            continue
         for mass in masses:
             told = mass if case.told_mass is None else case.told_mass
             controller = linear_controller(
                 replace(parameters, driver_mass=told), case.follow * parameters.robust_follow_max
             )
-            seat = actuated_seat(_with_cushion(seat_for(mass), case.cushion), lag)
+            body = body_for(mass) if case.seated and body_for else None
+            seat = actuated_seat(_with_cushion(seat_for(mass), case.cushion), lag, body)
             margins.setdefault(case.name, {})[mass] = delay_margin(controller, seat, delay)
             gains.setdefault(case.name, {})[mass] = worst_case_gain(closed_loop(controller, seat, delay))
     return LoopCertificate(margins, gains)

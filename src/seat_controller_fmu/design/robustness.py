@@ -1,4 +1,4 @@
-"""Robustness of the sampled loop to what the controller does not know: mass, cushion, strapped load, empty seat.
+"""Robustness of the sampled loop to what the controller does not know: mass, cushion, load, empty seat, seated body.
 
 The delay margins of :mod:`seat_controller_fmu.design.certificate` are those of the seat that the controller assumes.
 Here the seat is another one, and the controller keeps its parameters. All cells are by eigenvalues of the linear
@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields, replace
 from threadpoolctl import threadpool_limits
 
 from seat_controller_fmu.design.gains import Gains
-from seat_controller_fmu.design.sampled_loop import SeatFor, SeatModel, delay_margin
+from seat_controller_fmu.design.sampled_loop import BodyFor, DriverBody, SeatFor, SeatModel, delay_margin
 
 MASSES = (45.0, 55.0, 70.0, 80.0, 100.0, 120.0)
 """Driver masses of the table, in kg."""
@@ -74,10 +74,13 @@ class Case:
         Driver's mass as parameter of the controller, in kg.
     seat
         The seat.
+    body
+        Driver of several masses in place of the mass on the cushion; None for this mass.
     """
 
     known_mass: float
     seat: LinearSeat
+    body: DriverBody | None = None
 
 
 def _as_assumed(gains: Gains, seat: LinearSeat) -> Case:
@@ -118,7 +121,11 @@ CONDITIONS: Mapping[str, Callable[[Gains, LinearSeat], Case]] = {
 """Row of the table to the case of a driver's mass."""
 
 
-def robustness(gains: Gains, seat_for: SeatFor) -> dict[str, dict[float, float]]:
+SEATED = "seated driver, four masses in place of one"
+"""Row of the table with a driver of several masses."""
+
+
+def robustness(gains: Gains, seat_for: SeatFor, body_for: BodyFor | None = None) -> dict[str, dict[float, float]]:
     """Return the delay margins of the sampled loop under conditions other than those of the design.
 
     Parameters
@@ -127,18 +134,24 @@ def robustness(gains: Gains, seat_for: SeatFor) -> dict[str, dict[float, float]]
         Set of gains.
     seat_for
         Function from the driver's mass in kg to the nominal seat.
+    body_for
+        Function from the driver's mass in kg to the seated driver of the row :data:`SEATED`; without the row if None.
 
     Returns
     -------
     dict
-        Row of :data:`CONDITIONS` to driver's mass in kg (:data:`MASSES`) to the delay margin in ms; NaN where the loop
-        is unstable without additional delay.
+        Row of :data:`CONDITIONS`, and :data:`SEATED`, to driver mass in kg (:data:`MASSES`) to the delay margin in ms;
+        NaN where the loop is unstable without additional delay.
     """
-    table = {}
+    seats = {mass: LinearSeat.of(seat_for(mass)) for mass in MASSES}
+    rows = {name: {m: condition(gains, seat) for m, seat in seats.items()} for name, condition in CONDITIONS.items()}
+    if body_for is not None:
+        rows[SEATED] = {mass: Case(mass, seat, body_for(mass)) for mass, seat in seats.items()}
     with threadpool_limits(1, "blas"):  # for these small matrices threads are ten times slower
-        for name, condition in CONDITIONS.items():
-            cases = {mass: condition(gains, LinearSeat.of(seat_for(mass))) for mass in MASSES}
-            table[name] = {
-                mass: delay_margin(gains.controller(case.known_mass), case.seat) for mass, case in cases.items()
+        return {
+            name: {
+                mass: delay_margin(gains.controller(case.known_mass), case.seat, case.body)
+                for mass, case in cases.items()
             }
-    return table
+            for name, cases in rows.items()
+        }

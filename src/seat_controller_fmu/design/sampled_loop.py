@@ -1,4 +1,4 @@
-"""The sampled loop: two-mass seat with zero-order hold, rate filter, observer, additional delay. Linear, no friction.
+"""The sampled loop: seat and driver with zero-order hold, rate filter, observer, additional delay. Linear, no friction.
 
 The paper's design is in continuous time and has no delay. The controller here has the same coefficients as the control
 law, the seat the same parameters as the plant.
@@ -47,20 +47,72 @@ SeatFor = Callable[[float], SeatModel]
 """Function from the driver's mass in kg to the seat with that driver."""
 
 
+class DriverBody(NamedTuple):
+    """A driver as a chain of masses above the seat, upwards.
+
+    Attributes
+    ----------
+    masses
+        In kg; the first is the one that counts as the driver, z_b.
+    stiffnesses, dampings
+        Of the link below each mass, in N/m and N.s/m.
+    """
+
+    masses: tuple[float, ...]
+    stiffnesses: tuple[float, ...]
+    dampings: tuple[float, ...]
+
+
+BodyFor = Callable[[float], DriverBody]
+"""Function from the driver's mass in kg to a driver of several masses."""
+
+
+def mechanics(seat: SeatModel, body: DriverBody | None = None) -> Array:
+    """Return the matrix of the equations of motion of seat and driver on a floor at rest.
+
+    Parameters
+    ----------
+    seat
+        Parameters of the seat.
+    body
+        Driver in place of the mass on the cushion; None for this mass.
+
+    Returns
+    -------
+    array
+        Over displacement and velocity of each of n masses, seat first, then the driver upwards; shape (2 n, 2 n).
+    """
+    if body is None:
+        body = DriverBody((seat.driver_mass,), (seat.cushion_stiffness,), (seat.cushion_damping,))
+    masses = (seat.seat_mass, *body.masses)
+    k, c = (seat.suspension_stiffness, *body.stiffnesses, 0.0), (seat.suspension_damping, *body.dampings, 0.0)
+    A = np.zeros((2 * len(masses), 2 * len(masses)))
+    for i, mass in enumerate(masses):
+        z, v = 2 * i, 2 * i + 1
+        A[z, v] = 1.0
+        A[v, z], A[v, v] = -(k[i] + k[i + 1]) / mass, -(c[i] + c[i + 1]) / mass
+        if i > 0:
+            A[v, z - 2], A[v, v - 2] = k[i] / mass, c[i] / mass
+        if i + 1 < len(masses):
+            A[v, z + 2], A[v, v + 2] = k[i + 1] / mass, c[i + 1] / mass
+    return A
+
+
 class SampledSeat(NamedTuple):
     """The seat in discrete time: x' = A x + B_u u + B_floor d, with [a, delta] = C x + D u at the sample.
 
-    The state is [z_s, z_s', z_b, z_b', z_v, z_v']. d is the floor acceleration z_v'', held over a sample. a is the seat
-    acceleration, with the force u of the previous interval, and delta the deflection.
+    The state is [z_s, z_s', z_b, z_b', z_v, z_v'], n = 6, with the other masses of a body before the floor. d is the
+    floor acceleration z_v'', held over a sample. a is the seat acceleration, with the force u of the previous interval,
+    and delta the deflection.
 
     Attributes
     ----------
     A, B_u, B_floor
-        Shapes (6, 6), (6, 1), (6, 1).
+        Shapes (n, n), (n, 1), (n, 1).
     C, D
-        Shapes (2, 6), (2, 1).
+        Shapes (2, n), (2, 1).
     driver
-        Row of the driver's acceleration z_b'' over the state, shape (6,).
+        Row of the driver's acceleration z_b'' over the state, shape (n,).
     """
 
     A: Array
@@ -71,29 +123,32 @@ class SampledSeat(NamedTuple):
     driver: Array
 
 
-def sampled_seat(seat: SeatModel) -> SampledSeat:
-    """Discretise the two-mass seat (1)-(2) without friction, with zero-order hold over one sample.
+def sampled_seat(seat: SeatModel, body: DriverBody | None = None) -> SampledSeat:
+    """Discretise the seat (1)-(2) without friction, with zero-order hold over one sample.
 
     Parameters
     ----------
     seat
         Parameters of the seat.
+    body
+        As of :func:`mechanics`.
 
     Returns
     -------
     SampledSeat
         Matrices of the seat for the sample time of the controller.
     """
-    k, c, k_c, c_c = seat.suspension_stiffness, seat.suspension_damping, seat.cushion_stiffness, seat.cushion_damping
-    m_s, m_b = seat.seat_mass, seat.driver_mass
-    seat_row = np.array([-(k + k_c), -(c + c_c), k_c, c_c, k, c]) / m_s
-    driver_row = np.array([k_c, c_c, -k_c, -c_c, 0.0, 0.0]) / m_b
-    A = np.zeros((6, 6))
-    A[0, 1] = A[2, 3] = A[4, 5] = 1.0
-    A[1], A[3] = seat_row, driver_row
-    B = np.zeros((6, 2))
-    B[1, 0], B[5, 1] = 1.0 / m_s, 1.0
-    C = np.vstack([seat_row, [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]])
+    m_s, moving = seat.seat_mass, mechanics(seat, body)
+    z_v = len(moving)
+    v_v, n = z_v + 1, z_v + 2
+    A = np.zeros((n, n))
+    A[:z_v, :z_v] = moving
+    A[1, z_v], A[1, v_v] = seat.suspension_stiffness / m_s, seat.suspension_damping / m_s
+    A[z_v, v_v] = 1.0
+    driver_row = A[3].copy()
+    B = np.zeros((n, 2))
+    B[1, 0], B[v_v, 1] = 1.0 / m_s, 1.0
+    C = np.vstack([A[1], np.eye(n)[0] - np.eye(n)[z_v]])
     D = np.array([[1.0 / m_s, 0.0], [0.0, 0.0]])
     A, B, C, D, _ = cont2discrete((A, B, C, D), SAMPLE_TIME.value, method="zoh")
     return SampledSeat(A=A, B_u=B[:, 0:1], B_floor=B[:, 1:2], C=C, D=D[:, 0:1], driver=driver_row)
@@ -126,8 +181,8 @@ def sampled_controller(c: Coefficients) -> tuple[Array, Array]:
 class ClosedLoop(NamedTuple):
     """The closed loop x' = A x + B_floor z_v'' + B_force f; the driver's acceleration is C x.
 
-    The state is that of the seat (6, the last two are the floor's), the held force (1), the state of the controller (4)
-    and the delayed demands.
+    The state is that of the seat (6, more with a body; the last two are the floor's), the held force (1), the state of
+    the controller (4) and the delayed demands.
 
     Attributes
     ----------
@@ -145,7 +200,7 @@ class ClosedLoop(NamedTuple):
     C: Array
 
 
-def closed_loop(parameters: Parameters, seat: SeatModel, delay: int) -> ClosedLoop:
+def closed_loop(parameters: Parameters, seat: SeatModel, delay: int, body: DriverBody | None = None) -> ClosedLoop:
     """Close the loop of controller and seat.
 
     Parameters
@@ -156,41 +211,44 @@ def closed_loop(parameters: Parameters, seat: SeatModel, delay: int) -> ClosedLo
         Parameters of the seat.
     delay
         Additional samples between demand and force, at least 0.
+    body
+        As of :func:`mechanics`.
 
     Returns
     -------
     ClosedLoop
-        With 11 + ``delay`` states.
+        With 5 + ``delay`` states and those of the seat.
     """
-    p = sampled_seat(seat)
+    p = sampled_seat(seat, body)
     A_c, B_c = sampled_controller(prepare(parameters))
-    n = 6 + 1 + 4 + delay
-    held, w = 6, slice(7, 11)
+    held = len(p.A)
+    w, queue = slice(held + 1, held + 5), held + 5
+    n = queue + delay
     A = np.zeros((n, n))
     measured = np.zeros((2, n))
-    measured[:, :6], measured[:, [held]] = p.C, p.D
+    measured[:, :held], measured[:, [held]] = p.C, p.D
     new_w = B_c @ measured
     new_w[:, w] += A_c
     demand = new_w[3]
     A[w] = new_w
-    force = demand if delay == 0 else np.eye(n)[11 + delay - 1]
+    force = demand if delay == 0 else np.eye(n)[n - 1]
     A[held] = force
-    A[:6, :6] = p.A
-    A[:6] += np.outer(p.B_u[:, 0], force)
+    A[:held, :held] = p.A
+    A[:held] += np.outer(p.B_u[:, 0], force)
     for index in range(delay):  # a queue of demands
-        A[11 + index] = demand if index == 0 else np.eye(n)[11 + index - 1]
+        A[queue + index] = demand if index == 0 else np.eye(n)[queue + index - 1]
     B_floor, B_force, C = np.zeros((n, 1)), np.zeros((n, 1)), np.zeros((1, n))
-    B_floor[:6], B_force[:6], C[0, :6] = p.B_floor, p.B_u, p.driver
+    B_floor[:held], B_force[:held], C[0, :held] = p.B_floor, p.B_u, p.driver
     B_force[held] = 1.0  # the accelerometer measures the effect of a force on the seat as that of the actuator's force
     return ClosedLoop(A, B_floor, B_force, C)
 
 
-def spectral_radius(parameters: Parameters, seat: SeatModel, delay: int) -> float:
+def spectral_radius(parameters: Parameters, seat: SeatModel, delay: int, body: DriverBody | None = None) -> float:
     """Return the largest magnitude of the poles of the closed loop.
 
     Parameters
     ----------
-    parameters, seat, delay
+    parameters, seat, delay, body
         As of :func:`closed_loop`.
 
     Returns
@@ -198,12 +256,13 @@ def spectral_radius(parameters: Parameters, seat: SeatModel, delay: int) -> floa
     float
         Below 1 if the loop is stable.
     """
-    A = closed_loop(parameters, seat, delay).A
-    rest = [i for i in range(len(A)) if i not in (4, 5)]  # the motion of the floor is not part of the loop
+    A = closed_loop(parameters, seat, delay, body).A
+    floor = len(A) - delay - 7  # the motion of the floor is not part of the loop
+    rest = [i for i in range(len(A)) if i not in (floor, floor + 1)]
     return float(np.abs(np.linalg.eigvals(A[np.ix_(rest, rest)])).max())
 
 
-def delay_margin(parameters: Parameters, seat: SeatModel) -> float:
+def delay_margin(parameters: Parameters, seat: SeatModel, body: DriverBody | None = None) -> float:
     """Return the longest additional delay with a stable loop, in whole samples up to :data:`MAX_DELAY`.
 
     Parameters
@@ -212,6 +271,8 @@ def delay_margin(parameters: Parameters, seat: SeatModel) -> float:
         Parameters of the controller.
     seat
         Parameters of the seat.
+    body
+        As of :func:`mechanics`.
 
     Returns
     -------
@@ -219,7 +280,7 @@ def delay_margin(parameters: Parameters, seat: SeatModel) -> float:
         In ms; NaN if the loop is unstable without additional delay.
     """
     for delay in range(MAX_DELAY + 1):
-        if not spectral_radius(parameters, seat, delay) < 1.0:
+        if not spectral_radius(parameters, seat, delay, body) < 1.0:
             break
     else:
         delay = MAX_DELAY + 1

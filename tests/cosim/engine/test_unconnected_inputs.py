@@ -71,3 +71,16 @@ def test_the_users_choice_stays(pair: System):
 def test_an_input_that_is_set_is_not_reported(pair: System):
     connect(pair, *FLOOR)
     assert pair.notes({"seat.force": 10.0}) == []
+
+
+def test_the_input_of_a_driver_outside_is_reported_where_one_is_chosen(pair: System):
+    """By its name, number or in the parameters of the system; what the seat models itself needs no input."""
+    connect(pair, *FLOOR)
+    pair.parameters["seat.force"] = 0.0
+    note = "seat.driver_force: not connected and not set, keeps its start value 0.0 N"
+    assert pair.notes() == pair.notes({"seat.driver.model": "seated"}) == pair.notes({"seat.driver.model": 2}) == []
+    assert pair.notes({"seat.driver.model": "external"}) == pair.notes({"seat.driver.model": 3.0}) == [note]
+    assert pair.notes(["seat.driver.model"]) == [note]
+    pair.parameters["seat.driver.model"] = "external"
+    assert pair.notes() == [note]
+    assert pair.notes({"seat.driver_force": 1.0}) == []

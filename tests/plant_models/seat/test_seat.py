@@ -123,3 +123,37 @@ def test_any_step_size_gives_finite_values():
         state, outputs = advance(State(Masses(0.02, 0.0, 0.02, 0.0, 0.0)), Inputs(), c, 0.0, step_size)
         assert all(map(math.isfinite, pack_state(state)))
         assert math.isfinite(outputs.seat_acceleration)
+
+
+@pytest.mark.parametrize(
+    "imperfections",
+    [
+        {},
+        {"end_stop_travel": 0.02, "end_stop_stiffness": 2e5, "end_stop_damping": 3000.0, "end_stop_height": 0.005},
+        {"actuator_delay": 0.003, "actuator_time_constant": 0.02, "actuator_force_limit": 120.0},
+    ],
+)
+def test_the_floor_carries_the_inertia_of_seat_and_driver(imperfections: dict[str, float]):
+    """Newton's law for all that stands on the floor, with masses that the force itself is not computed from.
+
+    What cancels in it is the cushion, whose forces reach 1e3 N; so the rounding errors are below 1e-12 N times 1e3.
+    """
+    p = Parameters(suspension_damping=300.0, **imperfections)
+    c, random = prepare(p), np.random.default_rng(3)
+    state, largest = initialize(Inputs(), c, 0.0)[0], 0.0
+    for k in range(400):
+        floor = Inputs(0.03 * math.sin(0.05 * k), 0.75 * math.cos(0.05 * k), 0.0, 100.0 * random.standard_normal())
+        state, outputs = advance(state, floor, c, k * H, H)
+        inertia = p.seat_mass * outputs.seat_acceleration + p.driver_mass * outputs.driver_acceleration
+        assert outputs.floor_force == pytest.approx(-inertia, abs=1e-9)
+        largest = max(largest, abs(outputs.floor_force))
+    assert largest > 100.0
+
+
+def test_a_floor_that_rises_is_pushed_down_and_one_that_accelerates_is_not():
+    """At rest the spring answers with -k_f z_v and the actuator with -u, whatever z_v'' is."""
+    c = prepare(Parameters())
+    still = initialize(Inputs(floor_displacement=0.01, force=20.0), c, 0.0)[1]
+    jerked = initialize(Inputs(floor_displacement=0.01, floor_acceleration=5.0, force=20.0), c, 0.0)[1]
+    assert still.floor_force == jerked.floor_force == pytest.approx(-4600.0 * 0.01 - 20.0)
+    assert str(initialize(Inputs(), c, 0.0)[1].floor_force) == "0.0"

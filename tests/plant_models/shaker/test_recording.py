@@ -12,14 +12,16 @@ import numpy as np
 import pytest
 
 from cosim import RunError, System
-from fmus.component import ParameterError
+from fmus.component import Component, ParameterError
 from fmus.export.native_fmu import STANDARDS, source_files
+from plant_models.recording import MAX_LINE_SIZE, MAX_ROWS, MIN_ROWS, read
 from plant_models.shaker.example_recording import acceleration, example
 from plant_models.shaker.interface import Outputs
 from plant_models.shaker.profiles import bump
-from plant_models.shaker.recording import MAX_LINE_SIZE, MAX_ROWS, MIN_ROWS, read
 from plant_models.shaker.replay import Spline, load, motion
 from plant_models.shaker.shaker import SHAKER
+from plant_models.truck.example_road import example as example_road
+from plant_models.truck.truck import TRUCK_CAB
 from tests.helpers.paths import NATIVE, ROOT
 
 H = 0.002
@@ -185,7 +187,11 @@ def in_c(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[str]]:
     if shutil.which("gcc") is None:
         pytest.skip("gcc is not installed")
     program = tmp_path_factory.mktemp("recordings") / "recordings"
-    sources = [f"plant_models/shaker/{name}.c" for name in ("recording", "replay", "profiles")]
+    sources = [
+        "plant_models/recording.c",
+        "plant_models/smooth_step.c",
+        *(f"plant_models/shaker/{name}.c" for name in ("replay", "profiles")),
+    ]
     options = [
         "-std=c99",
         "-O1",
@@ -373,15 +379,22 @@ def test_a_wrong_file_discards_the_steps_of_the_python_flavour(fmus: Path, tmp_p
 
 @pytest.mark.builds
 @pytest.mark.parametrize("flavour", NATIVE)
+@pytest.mark.parametrize(
+    ("component", "content", "names"),
+    [(SHAKER, example(), ("profile", "file.path")), (TRUCK_CAB, example_road(), ("road.profile", "road.file"))],
+    ids=["Shaker", "TruckCab"],
+)
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
-def test_the_memory_of_a_recording_is_always_freed(flavour: str, tmp_path: Path):
-    sources = source_files(SHAKER, STANDARDS[flavour], "{token}")
-    for name, content in {**sources, "example.csv": example(), "wrong.csv": b"no recording"}.items():
-        (tmp_path / name).write_bytes(content)
+def test_the_memory_of_a_recording_is_always_freed(
+    component: Component, content: bytes, names: tuple[str, str], flavour: str, tmp_path: Path
+):
+    sources = source_files(component, STANDARDS[flavour], "{token}")
+    for name, text in {**sources, "example.csv": content, "wrong.csv": b"no recording"}.items():
+        (tmp_path / name).write_bytes(text)
     compiled = [name for name in sources if name.endswith(".c")]
     compiled += [str(ROOT / "tests/native" / name) for name in (f"api_{flavour}.c", "replaying.c")]
     options = ["-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-I."]
     subprocess.run(["gcc", *options, *compiled, "-o", "replaying", "-lm"], cwd=tmp_path, check=True)
-    words = ["./replaying", str(tmp_path / "example.csv"), str(tmp_path / "wrong.csv")]
+    words = ["./replaying", str(tmp_path / "example.csv"), str(tmp_path / "wrong.csv"), *names]
     run = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (run.returncode, run.stderr) == (0, "")

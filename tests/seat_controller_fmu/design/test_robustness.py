@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from seat_controller_fmu.design.gains import preset
-from seat_controller_fmu.design.robustness import CONDITIONS, MASSES, LinearSeat, robustness
+from seat_controller_fmu.design.robustness import CONDITIONS, MASSES, SEATED, LinearSeat, robustness
 from seat_cosim import scenarios
-from seat_cosim.nominal_seat import nominal_seat
+from seat_cosim.nominal_seat import nominal_seat, seated_body
 from tests.helpers.rig import LINEAR, Rig, bump, settles
 
 SAMPLE = 2.0
@@ -50,6 +50,26 @@ def test_cells_are_what_the_fmus_do_in_time(rig: Rig, name: str, row: int, mass:
     delay = round(margin / SAMPLE)
     assert in_time(rig, name, condition, mass, delay - 1)
     assert not in_time(rig, name, condition, mass, delay + 2)
+
+
+@pytest.mark.parametrize(("name", "mass"), [("published", 55.0), ("recommended", 80.0)])
+def test_cells_of_the_seated_driver_are_what_the_fmus_do_in_time(rig: Rig, name: str, mass: float):
+    """Within one sample; the body is inside the seat's integrator."""
+    delay = round(robustness(preset(name), nominal_seat, seated_body)[SEATED][mass] / SAMPLE)
+    parameters = {**LINEAR, **scenarios.gains(name), **scenarios.driver_mass(mass), "seat.driver.model": 2}
+    assert settles(rig.run(bump(8.0, height=0.001), parameters, delay - 1))
+    assert not settles(rig.run(bump(8.0, height=0.001), parameters, delay + 2))
+
+
+def test_a_seated_driver_costs_margin():
+    """docs/explanation/seated-driver.md."""
+    published, recommended, equal = (
+        robustness(preset(name), nominal_seat, seated_body)[SEATED]
+        for name in ("published", "recommended", "equal-rate")
+    )
+    assert list(published.values()) == [10.0, 14.0, 24.0, 76.0, 82.0, 88.0]
+    assert list(recommended.values()) == [12.0, 14.0, 18.0, 24.0, 76.0, 82.0]
+    assert list(equal.values()) == [10.0, 8.0, 8.0, 8.0, 10.0, 10.0]
 
 
 def test_the_table_is_that_of_the_pages():

@@ -219,7 +219,11 @@ class Replayed:
     """The two readers of recordings: in C, as the native FMUs have it, and in Python."""
 
     def __init__(self, folder: Path) -> None:
-        sources = [f"plant_models/shaker/{name}.c" for name in ("recording", "replay", "profiles")]
+        sources = [
+            "plant_models/recording.c",
+            "plant_models/smooth_step.c",
+            *(f"plant_models/shaker/{name}.c" for name in ("replay", "profiles")),
+        ]
         options = ["-std=c99", "-O1", "-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
         program = folder / "recordings"
         command = [

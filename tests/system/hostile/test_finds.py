@@ -7,7 +7,7 @@ import json
 import math
 import struct
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import pytest
@@ -18,8 +18,11 @@ from cosim.fmi.archive import open_archive
 from cosim.fmi.description import ModelDescription
 from cosim.manifest import Manifest
 from cosim.results import formats
-from fmus.component import ParameterError, state_fields
-from plant_models.shaker.recording import read
+from fmus.component import Component, ParameterError, state_fields
+from plant_models.recording import read
+from plant_models.seat.seat import SEAT_PLANT
+from plant_models.truck.truck import TRUCK_CAB
+from seat_blocks.semi_active_seat import SEMI_ACTIVE_SEAT
 from seat_controller_fmu.controller import SEAT_CONTROLLER
 from seat_controller_fmu.design import gains
 from seat_cosim.scenarios import seat_suspension
@@ -140,25 +143,42 @@ FLAGS = 4
 """Numbers before the variables in a state: three flags and the stop time."""
 
 
-def _number(path: str) -> int:
-    """Return the number of a field in the controller's state."""
-    numbers = [field.path for field in state_fields(SEAT_CONTROLLER.state) for _ in range(field.length or 1)]
-    return numbers.index(path)
+def _states(component: Component, values: Mapping[str, Sequence[float]]) -> list[tuple[int, float]]:
+    """Return the number of fields in a model's state, counted from its first, with values."""
+    numbers = [field.path for field in state_fields(component.state) for _ in range(field.length or 1)]
+    return [(numbers.index(path), value) for path, found in values.items() for value in found]
 
 
 IMPOSSIBLE = {
-    "SeatPlant": [(16, 1.0), (16, 2.5), (16, 258.0), (16, -2.0), (16, 1e300), (16, math.nan), (0, math.inf)],
-    "SeatController": [
-        (0, -1e12),
-        (0, 1e12),
-        (0, math.nan),
-        *((_number("robust.place"), value) for value in (1.0, -1.0, 0.5, 1e300)),
-        *((_number("robust.line_length"), value) for value in (2.0, -2.0, 1e300)),
-        *((_number("robust.faults.fault"), value) for value in (0.0, 2.5, 11.0)),
-    ],
+    "SeatPlant": _states(
+        SEAT_PLANT,
+        {
+            "actuator.line_length": (1.0, 2.5, 258.0, -2.0, 1e300, math.nan),
+            "masses.seat_displacement": (math.inf,),
+        },
+    ),
+    "SeatController": _states(
+        SEAT_CONTROLLER,
+        {
+            "next_sample": (-1e12, 1e12, math.nan),
+            "robust.place": (1.0, -1.0, 0.5, 1e300),
+            "robust.line_length": (2.0, -2.0, 1e300),
+            "robust.faults.fault": (0.0, 2.5, 11.0),
+        },
+    ),
+    "TruckCab": _states(
+        TRUCK_CAB,
+        {
+            "start": (1e12, -1e12, math.nan),
+            "front.cell": (1e12, -2.0, math.nan),
+            "rear.cell": (1e12, 3e4),
+            "displacements": (math.inf,),
+        },
+    ),
+    "SemiActiveSeat": _states(SEMI_ACTIVE_SEAT, {"law.next_sample": (1e12, math.nan), "damping": (-1.0, math.nan)}),
 }
-"""Number of a model's state, counted from its first, to what no instance can have: the seat's line_length, which was an
-index; the controller's next sample, which was the begin of a loop, its place in a delay line, and its fault."""
+"""What no instance can have: the seat's line_length, which was an index; the controller's next sample, which was the
+begin of a loop, its place in a delay line, and its fault; the truck's cells, which are the end of a loop."""
 
 
 @each_native

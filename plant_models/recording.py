@@ -1,8 +1,8 @@
-"""Recorded motion in CSV files: the samples of a file, or one message why it cannot be used.
+"""Recorded signals in CSV files: the samples of a file, or one message why it cannot be used.
 
-The first line names the columns: ``time`` in s and either ``acceleration`` in m/s2 or ``displacement`` in m. Other
-columns are ignored. Rows may come at any rate up to 1 MHz, if time rises and no step is longer than ten times the
-median step.
+The first line names the columns: of a motion ``time`` in s and either ``acceleration`` in m/s2 or ``displacement`` in
+m, of a road ``distance`` in m and ``elevation`` in m. Other columns are ignored. Rows may lie as close as 1 us or 1 um,
+if time or distance rises and no step is longer than ten times the median step.
 """
 
 from __future__ import annotations
@@ -32,14 +32,42 @@ MAX_GAP = 10.0
 """Longest step, in medians of all steps."""
 
 MIN_STEP = 1e-6
-"""Shortest step, in s: differences over a much shorter one may overflow."""
-
-QUANTITIES = ("acceleration", "displacement")
-"""Quantities that a recording can hold."""
+"""Shortest step, in s or m: differences over a much shorter one may overflow."""
 
 _MAX_EXCERPT = 40
 _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _BLANKS = b" \t"
+
+
+class Columns(NamedTuple):
+    """Columns that a file must have.
+
+    Attributes
+    ----------
+    axis
+        Name of the column that rises.
+    unit
+        Its unit.
+    quantities
+        Names of the columns of which there must be exactly one.
+    """
+
+    axis: str
+    unit: str
+    quantities: tuple[str, ...]
+
+    @property
+    def expected(self) -> str:
+        """What a message says about them."""
+        several = len(self.quantities) > 1
+        return f"the columns {self.axis} and {'one of ' if several else ''}{', '.join(self.quantities)}"
+
+
+MOTION = Columns("time", "s", ("acceleration", "displacement"))
+"""Columns of a recorded motion."""
+
+ROAD = Columns("distance", "m", ("elevation",))
+"""Columns of a recorded road."""
 
 
 class Samples(NamedTuple):
@@ -48,15 +76,15 @@ class Samples(NamedTuple):
     Attributes
     ----------
     quantity
-        One of :data:`QUANTITIES`.
-    times
-        In s, rising from 0.
+        One of the quantities of its columns.
+    axis
+        Times in s or distances in m, rising from 0.
     values
         In m/s2 or m.
     """
 
     quantity: str
-    times: list[float]
+    axis: list[float]
     values: list[float]
 
 
@@ -66,10 +94,10 @@ def _excerpt(text: bytes) -> str:
 
 
 class _Header(NamedTuple):
-    """Columns of a file: their number, the positions of time and value, and the quantity of the value."""
+    """Columns of a file: their number, the positions of axis and value, and the quantity of the value."""
 
     columns: int
-    time: int
+    axis: int
     value: int
     quantity: str
 
@@ -77,8 +105,9 @@ class _Header(NamedTuple):
 class _Reader:
     """Reads the lines of a file and counts them."""
 
-    def __init__(self, path: str, stream: BinaryIO) -> None:
+    def __init__(self, path: str, stream: BinaryIO, columns: Columns) -> None:
         self.path = path
+        self.columns = columns
         self.line = 0
         self._stream = stream
 
@@ -102,10 +131,11 @@ class _Reader:
         header = (self.next_line() or b"").removeprefix(b"\xef\xbb\xbf")
         self.line = 1
         names = [_unquoted(cell.strip(_BLANKS)) for cell in header.split(b",")]
-        found = [name for name in QUANTITIES if name.encode() in names]
-        if names.count(b"time") != 1 or len(found) != 1 or names.count(found[0].encode()) != 1:
-            raise self.error(f"the columns time and one of {', '.join(QUANTITIES)}", _excerpt(header))
-        return _Header(len(names), names.index(b"time"), names.index(found[0].encode()), found[0])
+        axis = self.columns.axis.encode()
+        found = [name for name in self.columns.quantities if name.encode() in names]
+        if names.count(axis) != 1 or len(found) != 1 or names.count(found[0].encode()) != 1:
+            raise self.error(self.columns.expected, _excerpt(header))
+        return _Header(len(names), names.index(axis), names.index(found[0].encode()), found[0])
 
     def read_number(self, cell: bytes, name: str) -> float:
         """Read the number in a cell; ``name`` is that of its column."""
@@ -116,12 +146,12 @@ class _Reader:
         return value
 
     def read_row(self, text: bytes, header: _Header) -> tuple[float, float]:
-        """Read time and value of a line."""
+        """Read the position on the axis and the value of a line."""
         cells = text.split(b",")
         if len(cells) != header.columns:
             raise self.error(f"{header.columns} columns", str(len(cells)))
-        time = self.read_number(cells[header.time], "time")
-        return time, self.read_number(cells[header.value], header.quantity)
+        position = self.read_number(cells[header.axis], self.columns.axis)
+        return position, self.read_number(cells[header.value], header.quantity)
 
 
 def _unquoted(name: bytes) -> bytes:
@@ -129,8 +159,9 @@ def _unquoted(name: bytes) -> bytes:
 
 
 def _read_rows(reader: _Reader, header: _Header) -> tuple[list[float], list[float]]:
-    """Read all rows; times rise, and only the end may have empty lines."""
-    times: list[float] = []
+    """Read all rows; the axis rises, and only the end may have empty lines."""
+    axis: list[float] = []
+    name, unit, _ = reader.columns
     values: list[float] = []
     empty = 0
     while (text := reader.next_line()) is not None:
@@ -139,42 +170,45 @@ def _read_rows(reader: _Reader, header: _Header) -> tuple[list[float], list[floa
             continue
         if empty:
             raise reader.error("no empty line but at the end", "one", empty)
-        time, value = reader.read_row(text, header)
-        if times and not time > times[-1]:
-            raise reader.error(f"a time above {times[-1]:.10g} s", f"{time:.10g} s")
-        if len(times) == MAX_ROWS:
+        position, value = reader.read_row(text, header)
+        if axis and not position > axis[-1]:
+            raise reader.error(f"a {name} above {axis[-1]:.10g} {unit}", f"{position:.10g} {unit}")
+        if len(axis) == MAX_ROWS:
             raise reader.error(f"at most {MAX_ROWS} rows", "more")
-        times.append(time)
+        axis.append(position)
         values.append(value)
-    return times, values
+    return axis, values
 
 
-def _check_rows(reader: _Reader, times: list[float]) -> None:
+def _check_rows(reader: _Reader, axis: list[float]) -> None:
     """Check the number of rows and the steps between them."""
-    if len(times) < MIN_ROWS:
-        raise reader.error(f"at least {MIN_ROWS} rows", str(len(times)))
-    steps = [after - before for before, after in pairwise(times)]
+    unit = reader.columns.unit
+    if len(axis) < MIN_ROWS:
+        raise reader.error(f"at least {MIN_ROWS} rows", str(len(axis)))
+    steps = [after - before for before, after in pairwise(axis)]
     median = sorted(steps)[(len(steps) - 1) // 2]
     for i, step in enumerate(steps):
         if step < MIN_STEP:
-            raise reader.error(f"a step of at least {MIN_STEP:g} s", f"{step:.10g} s", i + 3)
+            raise reader.error(f"a step of at least {MIN_STEP:g} {unit}", f"{step:.10g} {unit}", i + 3)
         if step > MAX_GAP * median:
-            allowed = f"a step of at most {MAX_GAP:g} times the median of {median:.10g} s"
-            raise reader.error(allowed, f"{step:.10g} s", i + 3)
+            allowed = f"a step of at most {MAX_GAP:g} times the median of {median:.10g} {unit}"
+            raise reader.error(allowed, f"{step:.10g} {unit}", i + 3)
 
 
-def read(path: str) -> Samples:
+def read(path: str, columns: Columns = MOTION) -> Samples:
     """Read a recording from a file.
 
     Parameters
     ----------
     path
         Path of the CSV file.
+    columns
+        Columns that it must have.
 
     Returns
     -------
     Samples
-        With times from 0.
+        With the axis from 0.
 
     Raises
     ------
@@ -183,11 +217,11 @@ def read(path: str) -> Samples:
     """
     try:
         with open(path, "rb") as stream:  # noqa: PTH123
-            reader = _Reader(path, stream)
+            reader = _Reader(path, stream, columns)
             header = reader.read_header()
-            times, values = _read_rows(reader, header)
-            _check_rows(reader, times)
-            return Samples(header.quantity, [time - times[0] for time in times], values)
+            axis, values = _read_rows(reader, header)
+            _check_rows(reader, axis)
+            return Samples(header.quantity, [position - axis[0] for position in axis], values)
     except (OSError, ValueError) as error:
         if isinstance(error, ParameterError):
             raise

@@ -20,7 +20,7 @@ static const double max_magnitude = 1e12;
 /* Longest step, in medians of all steps. */
 static const double max_gap = 10.0;
 
-/* Shortest step in s: differences over a much shorter one may overflow. */
+/* Shortest step in s or m: differences over a much shorter one may overflow. */
 static const double min_step = 1e-6;
 
 /* A part of a line. */
@@ -35,8 +35,9 @@ typedef struct {
     FILE *stream;
     long line;                    /* number of the present line */
     char text[MAX_LINE_SIZE + 2]; /* of the present line */
-    size_t columns, time_column, value_column;
-    int is_acceleration;
+    const recording_columns *expected;
+    size_t columns, axis_column, value_column;
+    int quantity;
     char *message;
     size_t size; /* of the message */
 } reader_t;
@@ -147,7 +148,8 @@ static int is_named(slice_t cell, const char *name)
 static int read_header(reader_t *reader)
 {
     char got[MAX_EXCERPT + 1];
-    int times = 0, accelerations = 0, displacements = 0;
+    const recording_columns *expected = reader->expected;
+    int axes = 0, counts[2] = {0, 0};
     slice_t line = {reader->text, 0}, header, cell;
     if (next_line(reader, &line) < 0) {
         return 0;
@@ -159,18 +161,27 @@ static int read_header(reader_t *reader)
     }
     header = line;
     for (reader->columns = 0; next_cell(&line, &cell); ++reader->columns) {
-        const int is_time = is_named(cell, "time");
-        const int is_acceleration = is_named(cell, "acceleration"), is_displacement = is_named(cell, "displacement");
-        times += is_time;
-        accelerations += is_acceleration;
-        displacements += is_displacement;
-        reader->time_column = is_time ? reader->columns : reader->time_column;
-        reader->value_column = is_acceleration || is_displacement ? reader->columns : reader->value_column;
+        if (is_named(cell, expected->axis)) {
+            axes += 1;
+            reader->axis_column = reader->columns;
+        }
+        for (int i = 0; i < 2; ++i) {
+            if (expected->quantities[i] != NULL && is_named(cell, expected->quantities[i])) {
+                counts[i] += 1;
+                reader->value_column = reader->columns;
+                reader->quantity = i;
+            }
+        }
     }
-    reader->is_acceleration = accelerations > 0;
-    return (times == 1 && accelerations + displacements == 1) ||
-           report_error(reader, 1, "expected the columns time and one of acceleration, displacement, got %s",
-                        excerpt(header, got));
+    if (axes == 1 && counts[0] + counts[1] == 1) {
+        return 1;
+    }
+    if (expected->quantities[1] == NULL) {
+        return report_error(reader, 1, "expected the columns %s and %s, got %s", expected->axis,
+                            expected->quantities[0], excerpt(header, got));
+    }
+    return report_error(reader, 1, "expected the columns %s and one of %s, %s, got %s", expected->axis,
+                        expected->quantities[0], expected->quantities[1], excerpt(header, got));
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
@@ -232,21 +243,21 @@ static int read_number(const reader_t *reader, slice_t cell, const char *name, d
                         name, excerpt(cell, got));
 }
 
-/* Read time and value of a line. */
-static int read_row(const reader_t *reader, slice_t line, double *time, double *value)
+/* Read the position on the axis and the value of a line. */
+static int read_row(const reader_t *reader, slice_t line, double *position, double *value)
 {
-    slice_t cell, time_cell = {NULL, 0}, value_cell = {NULL, 0};
+    slice_t cell, axis_cell = {NULL, 0}, value_cell = {NULL, 0};
     size_t column = 0;
     for (; next_cell(&line, &cell); ++column) {
-        time_cell = column == reader->time_column ? cell : time_cell;
+        axis_cell = column == reader->axis_column ? cell : axis_cell;
         value_cell = column == reader->value_column ? cell : value_cell;
     }
     if (column != reader->columns) {
         return report_error(reader, reader->line, "expected %lu columns, got %lu", (unsigned long)reader->columns,
                             (unsigned long)column);
     }
-    return read_number(reader, time_cell, "time", time) &&
-           read_number(reader, value_cell, reader->is_acceleration ? "acceleration" : "displacement", value);
+    return read_number(reader, axis_cell, reader->expected->axis, position) &&
+           read_number(reader, value_cell, reader->expected->quantities[reader->quantity], value);
 }
 
 /* Make room for one more sample. */
@@ -259,16 +270,16 @@ static int reserve_row(const reader_t *reader, recording_samples *samples, size_
         return report_error(reader, reader->line, "expected at most %d rows, got more", (int)MAX_ROWS);
     }
     const size_t capacity = *room < 1024 ? 1024 : *room < MAX_ROWS / 2 ? 2 * *room : MAX_ROWS;
-    double *times = realloc(samples->times, capacity * sizeof *times);
-    samples->times = times != NULL ? times : samples->times;
+    double *axis = realloc(samples->axis, capacity * sizeof *axis);
+    samples->axis = axis != NULL ? axis : samples->axis;
     double *values = realloc(samples->values, capacity * sizeof *values);
     samples->values = values != NULL ? values : samples->values;
     *room = capacity;
-    return (times != NULL && values != NULL) ||
+    return (axis != NULL && values != NULL) ||
            report_error(reader, reader->line, "expected memory for %lu rows, got none", (unsigned long)capacity);
 }
 
-/* Read all rows; times rise, and only the end may have empty lines. */
+/* Read all rows; the axis rises, and only the end may have empty lines. */
 static int read_rows(reader_t *reader, recording_samples *samples)
 {
     slice_t line;
@@ -276,7 +287,7 @@ static int read_rows(reader_t *reader, recording_samples *samples)
     size_t room = 0;
     int found;
     while ((found = next_line(reader, &line)) > 0) {
-        double time, value;
+        double position, value;
         if (stripped(line).length == 0) {
             empty = empty != 0 ? empty : reader->line;
             continue;
@@ -284,17 +295,18 @@ static int read_rows(reader_t *reader, recording_samples *samples)
         if (empty != 0) {
             return report_error(reader, empty, "expected no empty line but at the end, got one");
         }
-        if (!read_row(reader, line, &time, &value)) {
+        if (!read_row(reader, line, &position, &value)) {
             return 0;
         }
-        if (samples->count > 0 && !(time > samples->times[samples->count - 1])) {
-            return report_error(reader, reader->line, "expected a time above %.10g s, got %.10g s",
-                                samples->times[samples->count - 1], time);
+        if (samples->count > 0 && !(position > samples->axis[samples->count - 1])) {
+            return report_error(reader, reader->line, "expected a %s above %.10g %s, got %.10g %s",
+                                reader->expected->axis, samples->axis[samples->count - 1], reader->expected->unit,
+                                position, reader->expected->unit);
         }
         if (!reserve_row(reader, samples, &room)) {
             return 0;
         }
-        samples->times[samples->count] = time;
+        samples->axis[samples->count] = position;
         samples->values[samples->count] = value;
         samples->count += 1;
     }
@@ -317,34 +329,37 @@ static int check_rows(const reader_t *reader, const recording_samples *samples)
                             (unsigned long)samples->count);
     }
     const size_t count = samples->count - 1;
+    const char *unit = reader->expected->unit;
     double *steps = malloc(count * sizeof *steps);
     if (steps == NULL) {
         return report_error(reader, reader->line, "expected memory for %lu rows, got none", (unsigned long)count);
     }
     for (size_t i = 0; i < count; ++i) {
-        steps[i] = samples->times[i + 1] - samples->times[i];
+        steps[i] = samples->axis[i + 1] - samples->axis[i];
     }
     qsort(steps, count, sizeof *steps, ascending);
     const double median = steps[(count - 1) / 2];
     free(steps);
     for (size_t i = 0; i < count; ++i) {
-        const double step = samples->times[i + 1] - samples->times[i];
+        const double step = samples->axis[i + 1] - samples->axis[i];
         if (step < min_step) {
-            return report_error(reader, (long)i + 3, "expected a step of at least %g s, got %.10g s", min_step, step);
+            return report_error(reader, (long)i + 3, "expected a step of at least %g %s, got %.10g %s", min_step, unit,
+                                step, unit);
         }
         if (step > max_gap * median) {
             return report_error(reader, (long)i + 3,
-                                "expected a step of at most %g times the median of %.10g s, got %.10g s", max_gap,
-                                median, step);
+                                "expected a step of at most %g times the median of %.10g %s, got %.10g %s", max_gap,
+                                median, unit, step, unit);
         }
     }
     return 1;
 }
 
-const char *recording_read(const char *path, recording_samples *samples, char *message, size_t size)
+const char *recording_read(const char *path, const recording_columns *columns, recording_samples *samples,
+                           char *message, size_t size)
 {
     static const recording_samples none;
-    reader_t reader = {path, open_file(path), 0, {0}, 0, 0, 0, 0, message, size};
+    reader_t reader = {path, open_file(path), 0, {0}, columns, 0, 0, 0, 0, message, size};
     int is_valid = 0, readable = 0;
     *samples = none;
     if (reader.stream != NULL) {
@@ -359,10 +374,10 @@ const char *recording_read(const char *path, recording_samples *samples, char *m
         recording_free(samples);
         return message;
     }
-    samples->is_acceleration = reader.is_acceleration;
-    const double first = samples->times[0];
+    samples->quantity = reader.quantity;
+    const double first = samples->axis[0];
     for (size_t i = 0; i < samples->count; ++i) {
-        samples->times[i] = samples->times[i] - first;
+        samples->axis[i] = samples->axis[i] - first;
     }
     return NULL;
 }
@@ -370,7 +385,7 @@ const char *recording_read(const char *path, recording_samples *samples, char *m
 void recording_free(recording_samples *samples)
 {
     static const recording_samples none;
-    free(samples->times);
+    free(samples->axis);
     free(samples->values);
     *samples = none;
 }

@@ -1,0 +1,1 @@
+"""The driver: a seated body of four masses above the seat."""
