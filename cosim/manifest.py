@@ -404,7 +404,17 @@ def _typed_value(model: ModelDescription, name: str, value: float | str) -> bool
 
 def _versions(formats: Iterable[str]) -> dict[str, str]:
     """Return the versions of Python and of the packages that influence the result's bytes."""
-    packages = (*_PACKAGES, *(p for name in formats if (p := FORMATS[name].package)))
+    return package_versions((*_PACKAGES, *(p for name in formats if (p := FORMATS[name].package))))
+
+
+def package_versions(packages: Iterable[str]) -> dict[str, str]:
+    """Return the versions of Python and of packages.
+
+    Parameters
+    ----------
+    packages
+        Names of the packages.
+    """
     return {"python": platform.python_version(), **{name: _version(name) for name in sorted(packages)}}
 
 

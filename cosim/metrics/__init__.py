@@ -25,6 +25,7 @@ from cosim.metrics.whole_body import (
     running_rms,
     seat_factor,
     vdv,
+    weighted_ride,
 )
 
 __all__ = [
@@ -56,5 +57,6 @@ __all__ = [
     "transmissibility",
     "vdv",
     "weighted",
+    "weighted_ride",
     "wk",
 ]

@@ -188,8 +188,10 @@ def impact_share(
     0.0
     """
     signals = check_equal_length(weighted=weighted, deflection=trim(deflection, rate, warm_up, name="deflection"))
-    dose = signals["weighted"] ** 4
     touching = np.abs(signals["deflection"] + height) >= check_positive("travel", travel, "m")
+    if not touching.any():
+        return 0.0
+    dose = signals["weighted"] ** 4
     window = 1 + round(RINGING * rate)
     during = np.convolve(touching, np.ones(window))[: touching.size] > 0.5
     total = float(dose.sum())

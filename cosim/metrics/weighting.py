@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -60,6 +61,14 @@ def wk(frequency: npt.ArrayLike) -> npt.NDArray[np.complex128]:
     return np.asarray(band * transition * step)
 
 
+@lru_cache(maxsize=4)
+def _response(length: int, rate: float) -> npt.NDArray[np.complex128]:
+    """Return :func:`wk` at the lines of a spectrum; signals of one length, as of a sweep, share it."""
+    found = wk(fft.rfftfreq(length, 1.0 / rate))
+    found.flags.writeable = False
+    return found
+
+
 def weighted(acceleration: npt.ArrayLike, rate: float, warm_up: float = 0.0) -> Samples:
     """Weight a vertical acceleration with Wk.
 
@@ -95,6 +104,6 @@ def weighted(acceleration: npt.ArrayLike, rate: float, warm_up: float = 0.0) -> 
         raise SignalError(f"rate: expected at least {2 * _HIGHEST:g} Hz, as Wk reaches to 80 Hz, got {rate:g} Hz")
     signal = check_samples("acceleration", acceleration)
     length = fft.next_fast_len(signal.size + math.ceil(_PADDING * rate), real=True)
-    spectrum = fft.rfft(signal, length) * wk(fft.rfftfreq(length, 1.0 / rate))
+    spectrum = fft.rfft(signal, length) * _response(length, float(rate))
     response = np.asarray(fft.irfft(spectrum, length)[: signal.size], dtype=np.float64)
     return trim(response, rate, warm_up, name="acceleration")

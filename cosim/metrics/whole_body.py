@@ -226,7 +226,30 @@ def ride(acceleration: npt.ArrayLike, rate: float, warm_up: float = 0.0) -> Ride
     SignalError
         If less than 1 s remains, the rate is too low, or the samples are invalid.
     """
-    w = weight(acceleration, rate, warm_up)
+    return weighted_ride(weight(acceleration, rate, warm_up), rate)
+
+
+def weighted_ride(weighted: npt.ArrayLike, rate: float) -> Ride:
+    """Calculate the metrics of ISO 2631-1 of an acceleration that was weighted already.
+
+    Parameters
+    ----------
+    weighted
+        Weighted acceleration in m/s2, shape (samples,).
+    rate
+        Sampling rate in Hz.
+
+    Returns
+    -------
+    Ride
+        The metrics.
+
+    Raises
+    ------
+    SignalError
+        If it is shorter than 1 s, or the samples are invalid.
+    """
+    w = check_samples("weighted", weighted)
     return Ride(rms(w), vdv(w, rate), mtvv(w, rate), crest_factor(w), w.size / rate)
 
 

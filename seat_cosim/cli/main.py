@@ -31,6 +31,7 @@ COMMANDS = {
     "rerun": (f"{_CLI}.rerun", "rerun"),
     "run": (f"{_CLI}.run", "run"),
     "simulate": (f"{_CLI}.simulate", "simulate"),
+    "sweep": (f"{_CLI}.sweep", "sweep"),
     "validate": (f"{_CLI}.validate", "validate_command"),
 }
 """Command to its module and function; a module is loaded when its command runs."""

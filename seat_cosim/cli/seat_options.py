@@ -14,7 +14,7 @@ from cosim.engine.structure import Structure
 from cosim.fmi.values import Value
 from cosim.system import System
 from fmus import FLAVOURS
-from seat_cosim import carried, scenarios
+from seat_cosim import carried, choices, scenarios
 from seat_cosim.cli.effect import refuse_without_effect
 from seat_cosim.cli.options import parameters_option, set_option, settings
 from seat_cosim.cli.paths import with_user_paths
@@ -136,21 +136,10 @@ class SeatOptions:
         SetupError
             If a set, gains or a setting cannot be read.
         """
-        found = scenarios.read_parameter_sets(self.parameter_files, system)
-        if self.gains:
-            found |= scenarios.gains(self.gains)
-        if self.observer:
-            found |= scenarios.named_observer(self.observer)
-        if self.control:
-            found |= scenarios.control(self.control == "on")
-        if self.control == "passive":
-            found |= scenarios.read_parameter_sets(["passive"], system)
-        if self.driver_mass is not None:
-            found |= scenarios.driver_mass(self.driver_mass)
-        found |= with_user_paths(settings(self.settings, system), system)
-        if self.mode is not None:
-            found = scenarios.mode(self.mode, {**(before or {}), **found}) | found
-        return found
+        chosen = {name: getattr(self, name) for name in ("gains", "observer", "control", "driver_mass", "mode")}
+        chosen["parameter_sets"] = self.parameter_files or None
+        given = with_user_paths(settings(self.settings, system), system)
+        return choices.parameters(chosen, given, system, before)
 
     def ride(self, scenario: Scenario, system: Structure) -> dict[str, Value]:
         """Return the parameters of a scenario, with what the options say.

@@ -7,10 +7,8 @@ processes.
 from __future__ import annotations
 
 import math
-import multiprocessing
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from itertools import product
 from typing import Any, NamedTuple
@@ -19,9 +17,20 @@ import numpy as np
 
 from cosim.engine.session import Session
 from cosim.errors import CosimError, RunError, SetupError, SignalError
-from cosim.metrics import actuator, deflection_range, end_stops, impact_share, ride, seat_factor, weighted
+from cosim.metrics import (
+    actuator,
+    deflection_range,
+    end_stops,
+    impact_share,
+    ride,
+    seat_factor,
+    weighted,
+    weighted_ride,
+)
 from cosim.metrics.samples import trim
 from cosim.results.result import Result
+from cosim.sweep.loaded import LoadedSystem
+from cosim.sweep.pool import Processes, ThisProcess, WorkerDied
 from cosim.system import System
 from seat_cosim.evaluation.damping import DampingTest, run_damping_test
 from seat_cosim.evaluation.inputs import conformity
@@ -128,12 +137,16 @@ def evaluate(
     for evaluated in systems:
         check(evaluated, protocol)
     tests: tuple[str | None, ...] = (*protocol.classes, None) if protocol.repeats_inputs else protocol.classes
-    jobs = list(product(systems, tests))
-    if processes == 1:
-        done = _run_here(jobs, protocol, progress)
-    else:
-        done = _run_in_processes(jobs, protocol, processes, progress)
-    by_job = iter(done)
+    task, jobs = _Tests(tuple(systems), protocol), list(product(range(len(systems)), tests))
+    waiting, done = deque(jobs), dict[_Job, _Found]()
+    pool = ThisProcess(task) if processes == 1 else Processes(task, min(processes, len(jobs)))
+    with pool as workers:
+        for job, found in workers.run(lambda: waiting.popleft() if waiting else None):
+            if isinstance(found, WorkerDied):
+                raise RunError("evaluation: expected all rides to end, got a process that an FMU brought down")
+            done[job] = found
+            progress(len(done), len(jobs))
+    by_job = iter([done[job] for job in jobs])
     return [_evaluation(evaluated, protocol, [next(by_job) for _ in tests]) for evaluated in systems]
 
 
@@ -150,44 +163,36 @@ def _evaluation(evaluated: EvaluatedSystem, protocol: Protocol, jobs: Sequence[_
     return Evaluation(evaluated, results, list(warnings), damping)
 
 
-_Job = tuple[EvaluatedSystem, str | None]
-"""A system and a class, or None for the damping test."""
+_Job = tuple[int, str | None]
+"""Place of a system and a class, or None for the damping test."""
 
 _Found = ClassResults | DampingTest | None
 
 
-def _run_job(evaluated: EvaluatedSystem, excitation_class: str | None, protocol: Protocol) -> _Found:
-    if excitation_class is None:
-        return damping_of(evaluated)
-    return ride_class(evaluated, excitation_class, protocol)
+class _Tests(NamedTuple):
+    """What the workers of an evaluation do.
+
+    Attributes
+    ----------
+    systems, protocol
+        As given.
+    """
+
+    systems: tuple[EvaluatedSystem, ...]
+    protocol: Protocol
+
+    def __call__(self, loaded: LoadedSystem, job: _Job) -> _Found:
+        """Run the rides of a class, or the damping test."""
+        place, excitation_class = job
+        evaluated = self.systems[place]
+        session = loaded.session(evaluated.system)
+        if excitation_class is None:
+            return damping_of(evaluated, session)
+        return ride_class(evaluated, excitation_class, self.protocol, session)
 
 
-def _run_here(jobs: Sequence[_Job], protocol: Protocol, progress: Progress) -> list[_Found]:
-    done = []
-    for number, job in enumerate(jobs, 1):
-        done.append(_run_job(*job, protocol))
-        progress(number, len(jobs))
-    return done
-
-
-def _run_in_processes(jobs: Sequence[_Job], protocol: Protocol, processes: int, progress: Progress) -> list[_Found]:
-    """Run jobs in spawned processes: threads of an FMU do not survive a fork."""
-    with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
-        futures = [pool.submit(_run_job, *job, protocol) for job in jobs]
-        try:
-            for number, future in enumerate(as_completed(futures), 1):
-                future.result()
-                progress(number, len(jobs))
-        except BrokenProcessPool:
-            raise RunError("evaluation: expected all rides to end, got a process that an FMU brought down") from None
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-        return [future.result() for future in futures]
-
-
-def ride_class(evaluated: EvaluatedSystem, excitation_class: str, protocol: Protocol) -> ClassResults:
-    """Run the rides of all drivers on one class, with the FMUs loaded once.
+def ride_class(evaluated: EvaluatedSystem, excitation_class: str, protocol: Protocol, session: Session) -> ClassResults:
+    """Run the rides of all drivers on one class.
 
     Parameters
     ----------
@@ -197,6 +202,8 @@ def ride_class(evaluated: EvaluatedSystem, excitation_class: str, protocol: Prot
         Name of the class.
     protocol
         Drivers, seeds and times.
+    session
+        Of the system.
 
     Raises
     ------
@@ -205,39 +212,39 @@ def ride_class(evaluated: EvaluatedSystem, excitation_class: str, protocol: Prot
     """
     results: list[DriverClassResult] = []
     warnings: dict[str, None] = {}
-    with evaluated.system.open() as session:
-        for mass in protocol.masses:
-            rides = []
-            for run in protocol.runs(excitation_class):
-                try:
-                    found, texts = _ride(session, evaluated, protocol, (excitation_class, mass, run))
-                except CosimError as error:
-                    where = f"{evaluated.title}, {excitation_class}, {mass:g} kg, seed {run.seed}"
-                    raise RunError(f"{where}: {error}") from error
-                rides.append(found)
-                warnings |= dict.fromkeys(texts)
-            results.append(DriverClassResult(tuple(rides)))
+    for mass in protocol.masses:
+        rides = []
+        for run in protocol.runs(excitation_class):
+            try:
+                found, texts = _ride(session, evaluated, protocol, (excitation_class, mass, run))
+            except CosimError as error:
+                where = f"{evaluated.title}, {excitation_class}, {mass:g} kg, seed {run.seed}"
+                raise RunError(f"{where}: {error}") from error
+            rides.append(found)
+            warnings |= dict.fromkeys(texts)
+        results.append(DriverClassResult(tuple(rides)))
     return ClassResults(results, list(warnings))
 
 
-def damping_of(evaluated: EvaluatedSystem) -> DampingTest | None:
-    """Run the damping test of a system, with the FMUs loaded once.
+def damping_of(evaluated: EvaluatedSystem, session: Session) -> DampingTest | None:
+    """Run the damping test of a system.
 
     Parameters
     ----------
     evaluated
         The system.
+    session
+        Of the system.
 
     Raises
     ------
     RunError
         If an FMU failed; names the test.
     """
-    with evaluated.system.open() as session:
-        try:
-            return run_damping_test(evaluated, session, _sampling_rate(evaluated.system))
-        except CosimError as error:
-            raise RunError(f"{evaluated.title}, damping test: {error}") from error
+    try:
+        return run_damping_test(evaluated, session, _sampling_rate(evaluated.system))
+    except CosimError as error:
+        raise RunError(f"{evaluated.title}, damping test: {error}") from error
 
 
 def _ride(
@@ -279,8 +286,9 @@ def measure(evaluated: EvaluatedSystem, result: Result, rate: float, warm_up: fl
     """
     signals = evaluated.signals
     samples = {name: evaluated.in_si_units(name, result[name]) for name in signals.outputs}
+    driver = weighted(samples[signals.seat_acceleration], rate, warm_up)
     found = RideResult(
-        seat=ride(samples[signals.seat_acceleration], rate, warm_up),
+        seat=weighted_ride(driver, rate),
         floor=ride(samples[signals.floor_acceleration], rate, warm_up),
     )
     seat_factor(found.seat, found.floor)
@@ -294,7 +302,6 @@ def measure(evaluated: EvaluatedSystem, result: Result, rate: float, warm_up: fl
         mean_deflection=float(remaining.mean()),
     )
     if (travel := evaluated.end_stop_travel) is not None:
-        driver = weighted(samples[signals.seat_acceleration], rate, warm_up)
         where = (travel, warm_up, evaluated.end_stop_height)
         found = replace(
             found,

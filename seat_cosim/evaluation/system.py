@@ -280,7 +280,10 @@ class EvaluatedSystem:
         if name is None:
             return None
         transformation = conversion(_unit(self.system, name), unit) or IDENTITY
-        return transformation.factor * self.system.number(name) or None
+        return transformation.factor * self._number(name) or None
+
+    def _number(self, name: str) -> float:
+        return self.system.number(name)
 
     def in_si_units(self, name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         """Convert samples of an output to SI units.

@@ -25,6 +25,7 @@ LONG = (
     "docs/how-to/record-runs.md",
     "docs/how-to/replace-a-component.md",
     "docs/how-to/reproduce-the-paper.md",
+    "docs/how-to/run-a-sweep.md",
     "docs/how-to/set-parameters-and-gains.md",
     "docs/how-to/write-a-controller.md",
     "examples/controllers/README.md",
