@@ -6,6 +6,7 @@ Only this module, :mod:`seat_cosim.evaluation.seat` and :mod:`seat_cosim.paper` 
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -302,8 +303,8 @@ def mode(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
     }
     if "controller.travel" in known:  # the law knows one travel for both ways: the shorter one
         travel, height = known["controller.travel"], parameters.get("seat.end_stop.height", 0.0)
-        if isinstance(travel, float) and isinstance(height, float):
-            known["controller.travel"] = free_travel(travel, height)
+        with suppress(ValueError):  # a text from a command line that is no number is refused by its own name
+            known["controller.travel"] = free_travel(float(str(travel)), float(str(height)))
     return {"controller.mode": name, **known}
 
 

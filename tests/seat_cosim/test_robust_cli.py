@@ -88,3 +88,19 @@ def test_design_of_gains_takes_no_settings(shell: Shell):
     code, _, err = shell("design", "--gains", "published", "--set", "travel=0.05")
     assert code == 2
     assert "expected --set with --mode robust only" in " ".join(err.split())
+
+
+@pytest.mark.parametrize(
+    ("travel", "height", "told"), [("0.04", "-0.01", 0.03), (0.04, 0.015, 0.025), ("0.04", None, 0.04)]
+)
+def test_the_mode_gets_the_shorter_travel_of_numbers_and_of_texts(travel: object, height: object, told: float):
+    given = {"seat.end_stop.travel": travel, "seat.end_stop.height": height}
+    found = mode("robust", {name: value for name, value in given.items() if value is not None})  # type: ignore[misc]
+    assert found == {"controller.mode": "robust", "controller.travel": pytest.approx(told)}
+
+
+def test_the_mode_leaves_a_text_that_is_no_number_to_its_own_error(shell: Shell):
+    words = ("--mode", "robust", "--set", "seat.end_stop.travel=wide", "--set", "seat.end_stop.height=0.01")
+    code, _, error = shell("run", "bump", *words)
+    assert code == 2
+    assert "seat.end_stop.travel: expected" in error
