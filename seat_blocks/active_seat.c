@@ -80,6 +80,7 @@ void active_seat_initialize(active_seat_state *state, const active_seat_inputs *
     state->acceleration = of_seat.seat_acceleration_measured;
     state->deflection = of_seat.suspension_deflection_measured;
     outputs->seat = seat_signals_of(&of_seat);
+    outputs->measured = measurements_of(&of_seat);
 }
 
 void active_seat_advance(active_seat_state *state, const active_seat_inputs *inputs,
@@ -104,4 +105,5 @@ void active_seat_advance(active_seat_state *state, const active_seat_inputs *inp
         begin = end;
     } while (begin < step_size);
     outputs->seat = seat_signals_of(&of_seat);
+    outputs->measured = measurements_of(&of_seat);
 }

@@ -10,6 +10,7 @@ typedef seat_block_inputs active_seat_inputs;
 
 typedef struct {
     seat_signals seat;
+    seat_measurements measured;
     seat_controller_outputs controller;
 } active_seat_outputs;
 

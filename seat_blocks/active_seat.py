@@ -23,6 +23,7 @@ from typing import NamedTuple
 from fmus.component import Component
 from fmus.variables import variables_of
 from plant_models.seat import seat
+from plant_models.seat.interface import Outputs as SeatOutputs
 from plant_models.seat.interface import Parameters as SeatParameters
 from seat_blocks.interface import (
     FLOOR,
@@ -31,12 +32,14 @@ from seat_blocks.interface import (
     ActiveOutputs,
     ActiveParameters,
     Inputs,
+    measurements,
     seat_inputs,
     seat_signals,
 )
 from seat_blocks.parts import end_of_part, prepare_seat
 from seat_controller_fmu import controller
 from seat_controller_fmu.interface import Inputs as ControllerInputs
+from seat_controller_fmu.interface import Outputs as ControllerOutputs
 from seat_controller_fmu.interface import Parameters as ControllerParameters
 from seat_controller_fmu.parameters import SAMPLE_TIME
 from seat_controller_fmu.sampling import SAMPLE_TOLERANCE
@@ -170,6 +173,10 @@ def prepare(parameters: ActiveParameters) -> Coefficients:
     )
 
 
+def _outputs(of_seat: SeatOutputs, held: ControllerOutputs) -> ActiveOutputs:
+    return ActiveOutputs(seat_signals(of_seat), measurements(of_seat), held)
+
+
 def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, ActiveOutputs]:
     """Return the state at the start: the controller before its first sample, the seat at rest.
 
@@ -194,7 +201,7 @@ def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple
     at_rest.force = held.force
     seat_state, outputs = seat.initialize(at_rest, coefficients.seat, time)
     measured = (outputs.seat_acceleration_measured, outputs.suspension_deflection_measured)
-    return State(controller_state, *measured, seat_state), ActiveOutputs(seat_signals(outputs), held)
+    return State(controller_state, *measured, seat_state), _outputs(outputs, held)
 
 
 def advance(
@@ -237,7 +244,7 @@ def advance(
         begin = end
         if not begin < step_size:
             break
-    return State(controller_state, acceleration, deflection, seat_state), ActiveOutputs(seat_signals(outputs), held)
+    return State(controller_state, acceleration, deflection, seat_state), _outputs(outputs, held)
 
 
 def warnings(parameters: ActiveParameters) -> list[str]:

@@ -72,6 +72,36 @@ class SeatSignals:
     head_acceleration: float = _of_seat("head_acceleration")
 
 
+@dataclass(slots=True)
+class Measurements:
+    """Outputs of the blocks that measure, see :class:`plant_models.seat.interface.Outputs`.
+
+    Attributes
+    ----------
+    seat_acceleration_measured, suspension_deflection_measured
+        Measurements of the two sensors, in m/s2 and m: what the law takes next.
+    """
+
+    seat_acceleration_measured: float = _of_seat("seat_acceleration_measured")
+    suspension_deflection_measured: float = _of_seat("suspension_deflection_measured")
+
+
+def measurements(outputs: seat.Outputs) -> Measurements:
+    """Return the measurements of a block's seat.
+
+    Parameters
+    ----------
+    outputs
+        Outputs of the seat.
+
+    Returns
+    -------
+    Measurements
+        The same values.
+    """
+    return Measurements(outputs.seat_acceleration_measured, outputs.suspension_deflection_measured)
+
+
 def seat_signals(outputs: seat.Outputs) -> SeatSignals:
     """Return what a block gives of the outputs of its seat.
 
@@ -141,11 +171,14 @@ class ActiveOutputs:
     ----------
     seat
         Those that all blocks have.
+    measured
+        Measurements of the seat.
     controller
         Those of the controller after its last sample; the rate of the deflection is that of the seat.
     """
 
     seat: SeatSignals = group(SeatSignals)
+    measured: Measurements = group(Measurements)
     controller: controller.Outputs = group(
         controller.Outputs,
         without=["deflection_rate"],
@@ -240,6 +273,10 @@ class PassiveParameters:
 # ---- semi-active -----------------------------------------------------------------------------------------------------
 
 
+_DAMPED = {"seat.suspension_damping": ["damper.minimum"]}
+"""The damper at the start is open."""
+
+
 @dataclass(slots=True)
 class SemiActiveOutputs:
     """Outputs of SemiActiveSeat, from seat and damper.
@@ -248,6 +285,8 @@ class SemiActiveOutputs:
     ----------
     seat
         Those that all blocks have.
+    measured
+        Measurements of the seat.
     force
         Force of the damper on the seat, -c (z_s' - z_v'), in N, up positive.
     damping
@@ -256,7 +295,8 @@ class SemiActiveOutputs:
         Velocity of the seat as the law estimates it, in m/s.
     """
 
-    seat: SeatSignals = group(SeatSignals, dependencies={"seat.suspension_damping": ["damper.minimum"]})
+    seat: SeatSignals = group(SeatSignals, dependencies=_DAMPED)
+    measured: Measurements = group(Measurements, dependencies=_DAMPED)
     force: float = output(
         "N",
         "Force of the damper on the seat, up positive",

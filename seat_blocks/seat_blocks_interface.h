@@ -20,6 +20,11 @@ typedef struct {
     double head_acceleration;                      /* of the driver's head in m/s2 */
 } seat_signals;
 
+/* Outputs of the blocks that measure: what the law takes next, in m/s2 and m. */
+typedef struct {
+    double seat_acceleration_measured, suspension_deflection_measured;
+} seat_measurements;
+
 typedef seat_block_inputs passive_seat_inputs;
 typedef seat_block_inputs semi_active_seat_inputs;
 
@@ -30,6 +35,7 @@ typedef struct {
 
 typedef struct {
     seat_signals seat;
+    seat_measurements measured;
     double force;             /* of the damper on the seat, in N */
     double damping;           /* c in N.s/m */
     double velocity_estimate; /* w in m/s */
@@ -66,6 +72,13 @@ static inline seat_signals seat_signals_of(const seat_plant_outputs *outputs)
     signals.friction_force = outputs->friction_force;
     signals.head_acceleration = outputs->head_acceleration;
     return signals;
+}
+
+/* Return the measurements of a block's seat. */
+static inline seat_measurements measurements_of(const seat_plant_outputs *outputs)
+{
+    const seat_measurements measured = {outputs->seat_acceleration_measured, outputs->suspension_deflection_measured};
+    return measured;
 }
 
 /* Return the inputs of a seat without forces from outside. */

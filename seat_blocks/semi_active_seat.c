@@ -35,6 +35,7 @@ static void give_outputs(const seat_plant_outputs *of_seat, double damping, doub
                          semi_active_seat_outputs *outputs)
 {
     outputs->seat = seat_signals_of(of_seat);
+    outputs->measured = measurements_of(of_seat);
     outputs->force = -damping * of_seat->deflection_rate;
     outputs->damping = damping;
     outputs->velocity_estimate = velocity;

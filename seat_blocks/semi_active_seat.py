@@ -25,6 +25,7 @@ from seat_blocks.interface import (
     SemiActiveConstants,
     SemiActiveOutputs,
     SemiActiveParameters,
+    measurements,
     seat_inputs,
     seat_signals,
 )
@@ -102,7 +103,8 @@ def prepare(parameters: SemiActiveParameters) -> Coefficients:
 
 
 def _outputs(of_seat: SeatOutputs, damping: float, velocity: float) -> SemiActiveOutputs:
-    return SemiActiveOutputs(seat_signals(of_seat), -damping * of_seat.deflection_rate, damping, velocity)
+    force = -damping * of_seat.deflection_rate
+    return SemiActiveOutputs(seat_signals(of_seat), measurements(of_seat), force, damping, velocity)
 
 
 def initialize(inputs: Inputs, coefficients: Coefficients, time: float) -> tuple[State, SemiActiveOutputs]:

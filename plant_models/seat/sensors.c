@@ -42,5 +42,6 @@ double sensor_add_errors(double value, const sensor_coefficients *c, double time
 double sensor_low_pass(double filtered, double begin, double end, double angle)
 {
     const double gain = -expm1(-angle);
-    return flush_subnormal(filtered + (begin - filtered) * gain + (end - begin) * (1.0 - gain / angle));
+    const double ratio = angle > 0.0 ? gain / angle : 1.0;
+    return flush_subnormal(filtered + (begin - filtered) * gain + (end - begin) * (1.0 - ratio));
 }

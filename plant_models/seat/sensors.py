@@ -108,4 +108,5 @@ def low_pass(filtered: float, begin: float, end: float, angle: float) -> float:
         Output of the low-pass after.
     """
     gain = -math.expm1(-angle)
-    return flush_subnormal(filtered + (begin - filtered) * gain + (end - begin) * (1.0 - gain / angle))
+    ratio = gain / angle if angle > 0.0 else 1.0  # 0 where the product of corner and substep is too small for a number
+    return flush_subnormal(filtered + (begin - filtered) * gain + (end - begin) * (1.0 - ratio))

@@ -15,7 +15,8 @@ from cosim import Result, System
 from seat_controller_fmu.design.gains import preset
 from seat_cosim import carried
 from seat_cosim.cli.design import design
-from seat_cosim.scenarios import seat_suspension
+from seat_cosim.components import COMPONENTS
+from seat_cosim.scenarios import SYSTEM_FILES, SYSTEM_NAMES, seat_suspension
 from tests.helpers.files import read_csv
 from tests.helpers.shell import Shell
 
@@ -270,13 +271,14 @@ def test_debug_shows_the_traceback_and_nothing_else_does(shell: Shell):
 def test_build_prints_what_is_built_and_what_is_up_to_date(shell: Shell, tmp_path: Path):
     code, out, _ = shell("build", "--flavour", "fmi2", "--flavour", "fmi3", "--output", "here")
     assert code == 0
-    assert len(re.findall(r"(fmu|ssp) .* built", out)) == 6 + 2
+    assert len(re.findall(r"(fmu|ssp) .* built", out)) == 2 * (len(COMPONENTS) + len(SYSTEM_NAMES))
     assert "stepper" in out
     assert (tmp_path / "here" / "fmi3" / "SeatController.fmu").exists()
-    for name in ("SeatSuspension.ssp", "SeatSuspension-fmi3.ssp"):
-        assert System.load(tmp_path / "here" / name).order == ("controller", "seat", "shaker")
+    for names in SYSTEM_FILES.values():
+        for floor, name in names.items():
+            assert System.load(tmp_path / "here" / name).order == ("controller", "seat", floor)
     out = shell("build", "--flavour", "fmi3", "--output", "here")[1]
-    assert out.count("up to date") == 3 + 1 + 1
+    assert out.count("up to date") == len(COMPONENTS) + len(SYSTEM_NAMES) + 1  # the loop in C
     assert "SeatSuspension.ssp" not in out
 
 
