@@ -73,6 +73,9 @@ class Cluster(Generic[Job, Found]):
         Address of the scheduler, such as ``tcp://host:8786``; a cluster on this machine where None.
     workers
         Number of workers of that cluster.
+    is_whole
+        Whether a job cannot be divided. Dask blames a dead worker on all jobs that it had, so such a job is done again,
+        alone on the cluster, before it is blamed.
 
     Raises
     ------
@@ -80,8 +83,15 @@ class Cluster(Generic[Job, Found]):
         If ``distributed`` is not installed, or nothing answers at the address.
     """
 
-    def __init__(self, task: MovableTask, scheduler: str | None = None, workers: int | None = None) -> None:
+    def __init__(
+        self,
+        task: MovableTask,
+        scheduler: str | None = None,
+        workers: int | None = None,
+        is_whole: Callable[[Job], bool] = lambda job: True,
+    ) -> None:
         self._distributed = import_optional("distributed", "cluster", "a cluster")
+        self._is_whole = is_whole
         self._task, self._scheduler, self._workers = task, scheduler, workers
         self._stack = ExitStack()
         self._counted = -_COUNT_EVERY
@@ -158,16 +168,27 @@ class Cluster(Generic[Job, Found]):
         """
         ended = self._distributed.as_completed()
         jobs: dict[str, Job] = {}
+        suspects: list[Job] = []
+
+        def submit(job: Job) -> None:
+            future = self._client.submit(_do, self._task.fingerprint, job, pure=False)
+            jobs[future.key] = job
+            ended.add(future)
+
         while True:
             while len(jobs) < _IN_FLIGHT * self._count() and (job := take()) is not None:
-                future = self._client.submit(_do, self._task.fingerprint, job, pure=False)
-                jobs[future.key] = job
-                ended.add(future)
+                submit(job)
+            alone = not jobs and bool(suspects)
+            if alone:
+                submit(suspects.pop())
             if not jobs:
                 return
             future = next(ended)
-            job = jobs.pop(future.key)
-            yield job, self._result(future)
+            job, found = jobs.pop(future.key), self._result(future)
+            if isinstance(found, WorkerDied) and self._is_whole(job) and not alone:
+                suspects.append(job)
+            else:
+                yield job, found
 
     def _result(self, future: Any) -> Any:
         error = future.exception()

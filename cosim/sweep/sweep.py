@@ -297,7 +297,7 @@ def _workers(
 ) -> AbstractContextManager[Any]:
     """Choose what does the runs."""
     if scheduler is not None or workers is not None:
-        return Cluster(plan, scheduler, workers)
+        return Cluster(plan, scheduler, workers, is_whole=lambda batch: len(batch.points) == 1)
     return Processes(plan, min(processes, sum(stop - start for start, stop in missing)))
 
 
