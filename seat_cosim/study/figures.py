@@ -304,11 +304,16 @@ def _fill_pareto(table: Table, figure: Figure) -> None:
     front = pareto_front(stroke, a_w)
     axis.scatter(stroke, a_w, s=6, color="0.7", label="gains", linewidths=0)
     axis.plot(stroke[front], a_w[front], "o-", ms=3, lw=1.0, label="front")
-    for name, i in _presets(table).items():
+    presets = _presets(table)
+    for name, i in presets.items():
         axis.plot(stroke[i], a_w[i], "*", ms=10, label=name)
     axis.set(xlabel="largest deflection (mm)", ylabel="a_w of the driver (m/s²)")
-    axis.set_xlim(0.9 * np.nanmin(stroke), np.nanquantile(stroke, 0.95))
-    axis.legend()
+    # around the front and the presets: gains whose loop is unstable reach metres
+    shown = [*front, *presets.values()]
+    left, right, top = 0.9 * stroke[front].min(), 1.6 * stroke[shown].max(), 1.3 * a_w[shown].max()
+    axis.set(xlim=(left, right), ylim=(0.0, top))
+    beyond = int(np.sum(~((stroke <= right) & (a_w <= top))))
+    axis.legend(title=f"{beyond} of {len(stroke)} gains beyond" if beyond else None)
 
 
 def _answer_pareto(table: Table) -> str:
