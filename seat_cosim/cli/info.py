@@ -43,13 +43,15 @@ def info(file: str) -> None:
 def _path(file: str) -> Path:
     """Return the path of a file, or of a file of this project by its name."""
     from plant_models import parameter_sets
+    from seat_cosim.scenarios import SYSTEM_FILES
 
     path = Path(file).expanduser()
     if path.suffix or path.exists() or path.name != file:
         return path
     if file in parameter_sets.NAMES:
         return parameter_sets.path(file)
-    return ssp(file) if file.startswith("SeatSuspension") else fmu(file)
+    systems = {Path(name).stem for names in SYSTEM_FILES.values() for name in names.values()}
+    return ssp(file) if file in systems else fmu(file)
 
 
 def _fmu(path: Path) -> None:

@@ -11,9 +11,10 @@ import pytest
 from cosim import Result, System
 from seat_controller_fmu.controller import SEAT_CONTROLLER
 from seat_controller_fmu.interface import Mode
+from seat_cosim import carried
 from seat_cosim.evaluation.installation import Installation
 from seat_cosim.evaluation.seat import installed
-from seat_cosim.scenarios import SCENARIOS, TRUCK, control, read_parameter_sets, road, seat_suspension
+from seat_cosim.scenarios import SCENARIOS, SYSTEM_FILES, TRUCK, control, read_parameter_sets, road, seat_suspension
 from tests.helpers.shell import Shell
 
 
@@ -130,3 +131,16 @@ def test_the_mode_robust_has_no_gains_to_warn_of(native: Path):
         parameters = {"controller.driver_mass": 110.0, "controller.mode": mode.name}
         warnings = seat_suspension(native / "fmi2").simulate(0.02, parameters=parameters).warnings
         assert len(told) == len(warnings) == (1 if mode == Mode.published else 0)
+
+
+@pytest.mark.parametrize("name", ["TruckSeat", "TruckSeat-fmi3", "SeatSuspension", "TruckCab"])
+def test_what_is_of_this_project_is_shown_by_its_name(
+    name: str, shell: Shell, native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    for flavour, names in SYSTEM_FILES.items():
+        for floor, file in names.items():
+            seat_suspension(native / flavour, floor).save(tmp_path / "fmus" / file)
+    monkeypatch.setattr(carried, "package_folders", lambda: (tmp_path / "fmus", native))
+    code, out, err = shell("info", name)
+    assert (code, err) == (0, "")
+    assert out.startswith(name.removesuffix("-fmi3"))
