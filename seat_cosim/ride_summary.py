@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -92,10 +92,7 @@ def evaluated_system(system: System) -> EvaluatedSystem | None:
     signals = seat_signals(floor_of(system.models))
     if signals.seat_acceleration not in system.outputs():
         return None
-    travel, height = (
-        name if system.has(name or "") else None for name in (signals.end_stop_travel, signals.end_stop_height)
-    )
-    return EvaluatedSystem(system.name, system, replace(signals, end_stop_travel=travel, end_stop_height=height))
+    return EvaluatedSystem(system.name, system, signals.within(system))
 
 
 def summarize(evaluated: EvaluatedSystem, result: Result) -> RideSummary:

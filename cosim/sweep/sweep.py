@@ -310,7 +310,12 @@ def _run(plan: Plan, batches: _Batches, workers: Workers[Batch, Rows]) -> Iterat
         elif len(batch.points) > 1:
             batches.split(batch)
         else:
-            yield plan.failed(batch, f"its FMUs brought the process down ({found.how})")
+            yield _brought_down(plan, batch, found)
+
+
+def _brought_down(plan: Plan, batch: Batch, died: WorkerDied) -> Rows:
+    """Return the row of a run that brought its worker down."""
+    return plan.failed(batch, f"its FMUs brought the process down ({died.how})")
 
 
 class Estimate(NamedTuple):
@@ -383,7 +388,7 @@ def estimate(study: Study, samples: int = 8, at_most: float = 10.0) -> Estimate:
     with Processes[Batch, Rows](plan, 1) as workers:
         for batch, rows in workers.run(take):
             if isinstance(rows, WorkerDied):
-                rows = plan.failed(batch, f"its FMUs brought the process down ({rows.how})")
+                rows = _brought_down(plan, batch, rows)
             if not loading:
                 loading = monotonic() - begin  # the first run loads the FMUs, and is done again
                 continue

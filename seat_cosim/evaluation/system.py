@@ -158,6 +158,30 @@ class SignalMap:
         road = Road.of(name)
         return {self.excitation_class: road.name, self.speed: road.speed / KMH}
 
+    def within(self, system: System) -> SignalMap:
+        """Return this map without the optional names that a system does not have.
+
+        Parameters
+        ----------
+        system
+            The system. Masses, deflection, force, its limit, travel, its height and the noise's seed are left out where
+            there is no such variable.
+        """
+
+        def if_known(name: str | None) -> str | None:
+            return name if name and system.has(name) else None
+
+        return replace(
+            self,
+            suspension_deflection=if_known(self.suspension_deflection),
+            actuator_force=if_known(self.actuator_force),
+            end_stop_travel=if_known(self.end_stop_travel),
+            end_stop_height=if_known(self.end_stop_height),
+            force_limit=if_known(self.force_limit),
+            noise_seed=if_known(self.noise_seed),
+            driver_mass=tuple(name for name in self.driver_mass if system.has(name)),
+        )
+
     def for_system(self, system: System, given: Mapping[str, Any]) -> SignalMap:
         """Return this map with other names, and without optional ones that a system does not have.
 
@@ -166,30 +190,18 @@ class SignalMap:
         system
             The system that has the variables.
         given
-            Field of this class to its value; the system must have these variables. Of the other fields, masses,
-            deflection, force, its limit, travel and the noise's seed are left out where there is no such variable.
+            Field of this class to its value; the system must have these variables. Of the other fields, those of
+            :meth:`within` are left out where there is no such variable.
 
         Raises
         ------
         SetupError
             With all names that do not fit the system.
         """
-
-        def if_known(name: str | None) -> str | None:
-            return name if name and system.has(name) else None
-
-        signals = replace(
-            self,
-            suspension_deflection=if_known(self.suspension_deflection),
-            actuator_force=if_known(self.actuator_force),
-            end_stop_travel=if_known(self.end_stop_travel),
-            force_limit=if_known(self.force_limit),
-            noise_seed=if_known(self.noise_seed),
-            # the height belongs to the travel that it is known with, not to another one
-            end_stop_height=None if given.get("end_stop_travel") else if_known(self.end_stop_height),
-            driver_mass=tuple(name for name in self.driver_mass if system.has(name)),
-        )
-        signals = replace(signals, **given)
+        known = self.within(system)
+        if given.get("end_stop_travel"):  # the height belongs to the travel that it is known with, not to another one
+            known = replace(known, end_stop_height=None)
+        signals = replace(known, **given)
         problems = signals._problems(system)
         if problems:
             raise SetupError(*problems)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -187,15 +186,7 @@ class SeatVocabulary(Vocabulary):
         """Return the signal map of a system, without optional signals that it does not have."""
         known = self._signals.get(id(system.models))
         if known is None:
-            given, outputs = SIGNALS[floor_of(system.models)](), set(system.outputs())
-            optional: dict[str, Any] = {
-                name: getattr(given, name) if getattr(given, name) in outputs else None
-                for name in ("suspension_deflection", "actuator_force")
-            }
-            for name in ("end_stop_travel", "end_stop_height", "force_limit"):
-                text = getattr(given, name)
-                optional[name] = text if text is not None and system.has(text) else None
-            known = self._signals[id(system.models)] = replace(given, **optional)
+            known = self._signals[id(system.models)] = SIGNALS[floor_of(system.models)]().within(system)
         return known
 
     def measure(

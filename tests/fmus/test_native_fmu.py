@@ -546,7 +546,6 @@ def everywhere(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.builds
 @pytest.mark.long
 @each
 def test_fmus_for_all_platforms_are_small_and_valid(everywhere: Path, flavour: str, component: Component):
@@ -557,7 +556,6 @@ def test_fmus_for_all_platforms_are_small_and_valid(everywhere: Path, flavour: s
     assert native_build.platforms_of(path) == {p.folder(STANDARDS[flavour].version) for p in PLATFORMS.values()}
 
 
-@pytest.mark.builds
 @pytest.mark.long
 def test_builds_for_all_platforms_are_bit_identical(everywhere: Path, tmp_path: Path):
     built = build_native_fmu("fmi3", COMPONENTS[1], EXPERIMENT, tmp_path, tuple(PLATFORMS))
